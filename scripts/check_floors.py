@@ -32,6 +32,7 @@ LIBRARIES = [
     (re.compile(r"yaml-cpp/"), "input"),
     (re.compile(r"urdf_\w+/|console_bridge/|tinyxml"), "input"),
     (re.compile(r"expat(_\w+)?\.h$"), "input"),
+    (re.compile(r"(sqlite3|lz4(frame)?|zstd)\.h$"), "input"),
     (re.compile(r"nlohmann/"), "report"),
     (re.compile(r"CLI(/|11)"), "cli"),
 ]

@@ -19,6 +19,7 @@ packages=(
   liburdfdom-dev        # URDF
   libexpat1-dev         # URDF: line and column of each element, for messages
   libyaml-cpp-dev       # specs
+  libsqlite3-dev liblz4-dev libzstd-dev  # logs: bags of ROS 2
   libboost-dev          # headers only: Sobol sequence, multiprecision, distributions
   nlohmann-json3-dev    # reports
   libcli11-dev          # command line

@@ -24,7 +24,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # What a program that links the library is compiled with; the program qerr needs none of it.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-    "libboost-dev, libeigen3-dev, libexpat1-dev, liburdfdom-dev, libyaml-cpp-dev, nlohmann-json3-dev")
+    "libboost-dev, libeigen3-dev, libexpat1-dev, liblz4-dev, libsqlite3-dev, liburdfdom-dev, libyaml-cpp-dev, libzstd-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot, jq, parallel, python3, python3-matplotlib, python3-numpy")
 # A package of its own, which `cpack -D CPACK_COMPONENTS_ALL=python -D CPACK_DEB_COMPONENT_INSTALL=ON` makes: the other
 # one leaves this component out.

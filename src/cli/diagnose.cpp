@@ -4,6 +4,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
+#include "input/log_names.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/plan_report.hpp"
@@ -23,7 +24,7 @@ void require_log_or_plan(const Values& v) {
   if (v.given("LOG"))
     throw usage("--plan", "a plan is made without a log", "'" + v.texts("LOG").front() + "'",
                 "leave out the log, or --plan");
-  for (const char* output : {"write-model", "write-table", "plots", "check", "details", "hold"})
+  for (const char* output : {"write-model", "write-table", "plots", "check", "details", "hold", "column"})
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
@@ -75,6 +76,7 @@ int run(const Values& v) {
   refuse_shared_input(inputs, "LOG");
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   if (v.given("hold")) spec.log.missing = MissingValues::hold;
+  for (const std::string& assignment : v.texts("column")) map_column(assignment, spec);
   const auto out = opened_report(v, {"write-model"});
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
@@ -124,6 +126,13 @@ Command diagnose_command() {
              .meaning =
                  "an empty cell of a log has the last value of its column, as with log: {missing: hold} "
                  "in the spec; --set log.missing=drop leaves its row out"},
+            {.name = "--column",
+             .value = "SIGNAL=COLUMN",
+             .kind = OptionKind::repeat,
+             .meaning =
+                 "the log's column of a signal, such as a1.counts=q1_motor or 'a1.reference=q1_link [deg]', "
+                 "as with log: {columns: ...} in the spec; without it a log of unknown columns is answered "
+                 "with a mapping"},
             {.name = "--plan",
              .kind = OptionKind::flag,
              .meaning = "without a log: which effects a log of the spec's motion would identify, and a "

@@ -1,5 +1,6 @@
 #include "qerr/core/error.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/text.hpp"
@@ -10,7 +11,20 @@ namespace {
 
 constexpr std::size_t most_lines = 20;
 
+/// A fault that is a remedy and nothing else is a text to paste: its lines stand by themselves.
+std::string pasteable(const std::string& text) {
+  std::string out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    out += (begin > 0 ? "\n" : "") + escaped(text.substr(begin, end - begin), text.size() + 1);
+    begin = end + 1;
+  }
+  return out;
+}
+
 std::string line_of(const Fault& fault) {
+  if (fault.place.file.empty() && fault.key.empty() && fault.rule.empty() && fault.found.empty())
+    return pasteable(fault.remedy);
   std::string line = fault.place.file.empty() ? "qerr" : escaped(fault.place.file);
   if (fault.place.line > 0) {
     line += ':' + std::to_string(fault.place.line);

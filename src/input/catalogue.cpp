@@ -160,20 +160,6 @@ void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, co
   add_entry(*effect, column.detail, std::move(value), place);
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-/// `1.200` or `12.500 mm`: three digits behind a point, which may be that of thousands.
-bool may_be_thousands(const std::string& cell) {
-  const std::size_t point = cell.find('.');
-  if (point == std::string::npos || point == 0 || point > 3 || cell[0] == '0' || cell.size() < point + 4)
-    return false;
-  const auto digits = std::find_if_not(cell.begin(), cell.end(), is_digit) - cell.begin();
-  const auto behind =
-      std::find_if_not(cell.begin() + static_cast<std::ptrdiff_t>(point) + 1, cell.end(), is_digit) -
-      cell.begin();
-  return static_cast<std::size_t>(digits) == point && static_cast<std::size_t>(behind) == point + 4;
-}
-
 /// What a table that semicolons separate says of its numbers.
 struct Decimals {
   bool commas = false;             ///< some have decimal commas
@@ -186,16 +172,8 @@ void read_decimal_commas(const std::vector<CatalogueColumn>& columns, std::vecto
   for (std::size_t i = 0; i < columns.size(); ++i) {
     using Role = CatalogueColumn::Role;
     if (columns[i].role == Role::name || columns[i].role == Role::description) continue;
-    if (may_be_thousands(cells[i]))
-      decimals.ambiguities.push_back({places[i], "",
-                                      "a point in a table of decimal commas: of thousands, or of decimals?",
-                                      quoted(cells[i]), "write all digits without it, or a decimal comma"});
-    const std::size_t comma = cells[i].find(',');
-    if (comma == std::string::npos || comma == 0 || cells[i].find('.') != std::string::npos) continue;
-    if (is_digit(cells[i][comma - 1]) && comma + 1 < cells[i].size() && is_digit(cells[i][comma + 1])) {
-      cells[i][comma] = '.';
-      decimals.commas = true;
-    }
+    if (may_be_thousands(cells[i])) decimals.ambiguities.push_back(ambiguous_point(places[i], "", cells[i]));
+    if (replace_decimal_comma(cells[i])) decimals.commas = true;
   }
 }
 

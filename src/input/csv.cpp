@@ -20,19 +20,6 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Remedy for a file that begins like a known binary format; "" for any other.
-std::string binary_format(std::string_view head) {
-  if (head.starts_with("\x1F\x8B")) return "this is a gzip archive: unpack it";
-  if (head.starts_with("PK\x03\x04")) return "this is a zip archive or a spreadsheet: export it as CSV";
-  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
-    return "this looks like UTF-16: save the file as UTF-8";
-  return {};
-}
-
-}  // namespace
-
-namespace {
-
 /// Moves a place over a text; its column counts code points.
 void advance(Place& place, const char* begin, const char* end) {
   const char* start = begin;
@@ -60,14 +47,22 @@ ColumnName column_name(const std::string& cell) {
 }
 
 CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
-    : source_(path), limits_(limits), buffer_(limits.block + padding) {
-  while (end_ < 8 && fill()) {
+    : source_(path, limits.recognize), limits_(limits), buffer_(limits.block + padding) {
+  // Bytes by which the format is recognized.
+  const std::size_t sample = limits_.recognize ? std::min<std::size_t>(1 << 16, limits_.longest_row) : 8;
+  while (end_ < sample && fill()) {
   }
   if (end_ == 0) throw Error({{file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers"});
-  const std::string why = binary_format({buffer_.data(), end_});
-  if (!why.empty()) throw Error({{file(), 1, 1}, "", "the table must be UTF-8 text", "", why});
-  if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) next_ = 3;
+  if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) row_ = next_ = 3;
+  if (limits_.recognize) recognize();
   read_header();
+  fast_row_ = row_reader();
+}
+
+void CsvReader::recognize() {
+  format_ = recognize_table({buffer_.data() + next_, end_ - next_});
+  next_line_ += format_.header_line - 1;
+  row_ = next_ += format_.header;
 }
 
 /// Moves the current row to the front of the buffer and reads more. @returns false at the end of the source
@@ -80,7 +75,8 @@ bool CsvReader::fill() {
   if (end_ + limits_.block / 2 + 1 + padding > buffer_.size())
     buffer_.resize(2 * buffer_.size());  // the row is about as long as a block, or longer
   const std::size_t space = buffer_.size() - padding - end_;
-  const std::size_t count = source_.read(buffer_.data() + end_, std::min(space, limits_.block));
+  const std::size_t count =
+      source_.read(buffer_.data() + end_, std::max(std::min(space, limits_.block), std::size_t{4}));
   end_ += count;
   ended_ = count == 0;
   if (ended_ && end_ > 0 && buffer_[end_ - 1] != '\n') {
@@ -97,6 +93,7 @@ void CsvReader::read_header() {
     line_ = next_line_;
     if (next_ == end_ && !fill())
       throw Error({{file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers"});
+    if (!format_.has_header) return number_columns();
     const bool comment = buffer_[next_] == '#';
     const char* end = comment ? nullptr : record_end(buffer_.data() + next_);
     if (comment) {
@@ -113,16 +110,10 @@ void CsvReader::read_header() {
     const char* begin = buffer_.data() + row_;
     next_line_ += 1 + std::count(begin, end, '\n');
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
-    if (comment || std::all_of(begin, end, is_blank)) continue;
-    if (limits_.semicolons && std::count(begin, end, ';') > std::count(begin, end, ',')) separator_ = ';';
-    // From cell to cell, as the header may have very many.
-    Place place{file(), line(), 1};
-    for (const Cell& cell : cells_of(begin, end)) {
-      advance(place, begin, cell.begin);
-      begin = cell.begin;
-      header_.push_back(cell.text);
-      header_places_.push_back(place);
-    }
+    if ((comment && !format_.header_is_comment) || std::all_of(begin, end, is_blank)) continue;
+    if (limits_.semicolons && std::count(begin, end, ';') > std::count(begin, end, ','))
+      format_.separator = ';';
+    take_header(begin, end);
     break;
   }
   for (std::size_t i = 0; i < header_.size(); ++i)
@@ -136,6 +127,108 @@ void CsvReader::read_header() {
   if (std::all_of(header_.begin(), header_.end(), [](const auto& h) { return parse_number(h).has_value(); }))
     throw Error({header_places_[0], "", "the first row must name the columns", "numbers",
                  "a header such as time [s],shoulder.counts"});
+  if (format_.has_units) add_units();
+  if (limits_.recognize) fit_header();
+}
+
+/// Takes the cells of the header, one after the other, as there may be very many.
+void CsvReader::take_header(const char* begin, const char* end) {
+  Place place{file(), line(), 1};
+  const char* text = begin;
+  while (format_.header_is_comment && text != end && (*text == '#' || is_blank(*text))) ++text;
+  for (const Cell& cell : cells_of(text, end)) {
+    advance(place, begin, cell.begin);
+    begin = cell.begin;
+    header_.push_back(cell.text);
+    header_places_.push_back(place);
+  }
+}
+
+/// The columns of a table without header.
+void CsvReader::number_columns() {
+  const char* const end = record_end(buffer_.data() + row_);
+  for (std::size_t i = cells_of(buffer_.data() + row_, end).size(); i > 0; --i) {
+    header_.insert(header_.begin(), "column " + std::to_string(i));
+    header_places_.push_back({file(), line(), 1});
+  }
+}
+
+/// Adds the units of the row behind the header: `Winkel` and `[deg]` or `deg` are `Winkel [deg]`.
+void CsvReader::add_units() {
+  if (!next_record()) return;
+  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
+  for (std::size_t i = 0; i < std::min(cells.size(), header_.size()); ++i) {
+    std::string unit = cells[i].text;
+    if (unit.size() > 1 && (unit.front() == '[' || unit.front() == '('))
+      unit = trimmed(unit.substr(1, unit.size() - 2));
+    if (!unit.empty() && unit != "-") header_[i] += " [" + unit + ']';
+  }
+}
+
+/// Makes the header as wide as the rows: they may end with a separator where it does not, or the other way
+/// round, and between blanks `angle (deg)` is one name.
+void CsvReader::fit_header() {
+  const bool blanks = format_.separator == ' ';
+  for (std::size_t i = header_.size(); blanks && header_.size() > format_.cells && i-- > 1;) {
+    if (header_[i].empty() || (header_[i][0] != '(' && header_[i][0] != '[')) continue;
+    header_[i - 1] += ' ' + header_[i];
+    header_.erase(header_.begin() + static_cast<std::ptrdiff_t>(i));
+    header_places_.erase(header_places_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  if (blanks || format_.cells < 2) return;
+  if (header_.size() == format_.cells + 1) {
+    // libfranka writes a title before the columns of commands, LabVIEW a column that few rows have.
+    auto extra = std::find(header_.begin(), header_.end(), "sent commands");
+    if (extra == header_.end() && header_.back() == "Comment") extra = header_.end() - 1;
+    if (extra == header_.end() && header_.back().empty()) extra = header_.end() - 1;
+    if (extra == header_.end()) return;
+    header_places_.erase(header_places_.begin() + (extra - header_.begin()));
+    header_.erase(extra);
+  } else if (header_.size() + 1 == format_.cells) {
+    const auto rows = first_rows(1);
+    if (rows.empty() || rows[0].size() != format_.cells || !rows[0].back().empty()) return;
+    header_.emplace_back();
+    header_places_.push_back(header_places_.back());
+  }
+}
+
+std::string CsvReader::recognized() const {
+  std::vector<std::string> all;
+  if (!source_.encoding().empty()) all.emplace_back(source_.encoding());
+  constexpr std::pair<char, const char*> separators[] = {
+      {';', "separated by semicolons"}, {'\t', "separated by tabulators"}, {' ', "separated by blanks"}};
+  if (limits_.recognize)
+    for (const auto& [mark, text] : separators)
+      if (mark == format_.separator) all.emplace_back(text);
+  if (format_.decimal == ',') all.emplace_back("decimal commas");
+  if (format_.header_is_comment) all.emplace_back("a comment as header");
+  if (format_.has_units) all.emplace_back("units in the row behind the header");
+  if (!format_.has_header) all.emplace_back("no header: columns by number, 'column 1'");
+  if (format_.preamble > 0)
+    all.push_back(counted(static_cast<std::size_t>(format_.preamble), "line") + " before the header");
+  std::string text;
+  for (const std::string& part : all) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+std::vector<std::vector<std::string>> CsvReader::first_rows(std::size_t most) const {
+  std::vector<std::vector<std::string>> rows;
+  const char *begin = buffer_.data() + next_, *const last = buffer_.data() + end_;
+  while (rows.size() < most && begin != last) {
+    const char* const end = std::find(begin, last, '\n');
+    if (end == last) break;
+    if (!std::all_of(begin, end, is_blank)) {
+      rows.emplace_back();
+      try {
+        for (Cell& cell : cells_of(begin, end)) rows.back().push_back(std::move(cell.text));
+      } catch (const Error&) {  // of a row with a fault, which `next` reports
+        rows.pop_back();
+        break;
+      }
+    }
+    begin = end + 1;
+  }
+  return rows;
 }
 
 Place CsvReader::header_place(std::size_t column) const { return header_places_[column]; }
@@ -172,24 +265,26 @@ std::string CsvReader::text(std::size_t chosen) const {
   return cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1)[chosen_[chosen]].text;
 }
 
-/// Splits a record into its cells (RFC 4180): a quoted cell may contain commas and line ends, and a doubled
-/// quotation mark is one.
+/// Splits a record into its cells (RFC 4180): a quoted cell may contain separators and line ends, and a
+/// doubled quotation mark is one.
 std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* end) const {
   std::vector<Cell> cells;
   const char* p = begin;
+  if (format_.separator == ' ')  // blanks at the ends separate nothing
+    while (end != begin && is_blank(end[-1])) --end;
   while (true) {
-    while (p != end && is_blank(*p)) ++p;
+    while (p != end && (format_.separator == ' ' ? is_blank(*p) : is_blank_in_cell(*p))) ++p;
     Cell cell{{}, p, p != end && *p == '"'};
     if (cell.quoted) {
       for (++p; p != end && (*p != '"' || (p + 1 != end && *++p == '"')); ++p) cell.text += *p;
       // p is after the closing quotation mark, or on it at the end of the record
       p += p != end && *p == '"';
-      while (p != end && is_blank(*p)) ++p;
-      if (p != end && *p != separator_)
+      while (p != end && is_blank_in_cell(*p)) ++p;
+      if (p != end && !separates(*p))
         throw Error(
             {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
     } else {
-      while (p != end && *p != separator_) ++p;
+      while (p != end && !separates(*p)) ++p;
       cell.text.assign(cell.begin, p);
       while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
       if (const auto at = cell.text.find('\r'); at != std::string::npos)

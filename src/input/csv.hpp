@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "input/byte_source.hpp"
+#include "input/table_format.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/simulate/log.hpp"
 
@@ -30,7 +31,11 @@ struct CsvLimits {
   bool empty_cells = false;           ///< an empty cell of a chosen column, or `nan`, is NaN and no error
   std::string empty_remedy = {};      ///< what else helps against an empty cell
   bool semicolons = false;            ///< a header with more of them than commas is separated by them
+  bool recognize = false;             ///< encoding, separator, decimal mark, header: see recognize_table
 };
+
+/// Whether a cell has no value: it is empty, or `nan` in any case of its letters, as programs write it.
+bool is_missing(std::string_view cell);
 
 /// Extremes of the decimals and digits of numbers.
 struct WrittenNumbers {
@@ -40,29 +45,36 @@ struct WrittenNumbers {
   DecimalText text() const;
 };
 
-/// Reads the number at `p`, decimal, finite and correctly rounded; any byte that is no part of a number ends
-/// it.
+/// Reads the number at `p`, with a decimal point, finite and correctly rounded; any byte that is no part of a
+/// number ends it.
 /// @returns its end, or null if there is no number, it is out of the range of double, or a zero byte follows
 const char* read_number(const char* p, double& value, WrittenNumbers&);
 
 /// A CSV table (RFC 4180) of any length, read row by row through a buffer of a few blocks.
 ///
-/// Accepted are a byte-order mark, comment lines (`#`) before the header, blank lines, and LF or CR LF.
-/// Columns that are not chosen may contain any text. Numbers are decimal, finite and correctly rounded.
+/// Accepted are a byte-order mark, comment lines (`#`) before the header, blank lines, and LF or CR LF; where
+/// the limits say so, any format that recognize_table finds. Columns that are not chosen may contain any
+/// text. Numbers are decimal, finite and correctly rounded.
 class CsvReader {
  public:
   /// Reads up to and including the header.
   /// @throws Error (file_system) if the file cannot be read, (input) if it does not begin with a header
   explicit CsvReader(const std::string& path, const CsvLimits& = {});
 
-  const std::string& file() const { return source_.name(); }
-  const ByteSource& source() const { return source_; }
+  const std::string& file() const { return source().name(); }
+  const ByteSource& source() const { return source_.source(); }
+  /// What was recognized: "UTF-16, separated by tabulators, decimal commas"; "" for a plain table.
+  std::string recognized() const;
 
   /// The cells of the header, without leading and trailing blanks.
   const std::vector<std::string>& header() const { return header_; }
   Place header_place(std::size_t column) const;
   /// `,`, or `;` where the limits permit it; then numbers are to be read as texts.
-  char separator() const { return separator_; }
+  char separator() const { return format_.separator; }
+
+  /// The first rows as texts, at most `most`, of those that have been read ahead to recognize the format.
+  /// @pre no row has been read
+  std::vector<std::vector<std::string>> first_rows(std::size_t most) const;
 
   /// Selects the columns to read as numbers, in the order in which `next` stores them, and those to read as
   /// texts; no column can be both.
@@ -90,7 +102,8 @@ class CsvReader {
   /// Decimals and digits of the numbers read so far from a chosen column.
   DecimalText written(std::size_t chosen) const { return written_[chosen].text(); }
 
-  /// The i-th column of texts in the last row that was read; a byte that is not zero follows it in memory.
+  /// The i-th column of texts in the last row that was read; a byte that is not zero follows it in memory. A
+  /// number has a decimal point.
   std::string_view chosen_text(std::size_t i) const { return texts_[i]; }
   /// Place of the cell of any column in the last row that was read.
   Place cell_place(std::size_t column) const;
@@ -102,20 +115,35 @@ class CsvReader {
     bool quoted = false;
   };
 
+  using RowReader = const char* (CsvReader::*)(double* values, std::ptrdiff_t stride);
+
   bool fill();
+  void recognize();
   void read_header();
+  void take_header(const char* begin, const char* end);
+  void number_columns();
+  void add_units();
+  void fit_header();
+  bool is_blank_in_cell(char c) const { return is_blank(c) && !separates(c); }
+  bool separates(char c) const { return c == format_.separator || (format_.separator == ' ' && c == '\t'); }
   const char* record_end(const char* begin);
+  template <char separator, char decimal>
   const char* fast_row(double* values, std::ptrdiff_t stride);
+  const char* no_fast_row(double*, std::ptrdiff_t) { return nullptr; }
+  RowReader row_reader() const;
   bool next_record();
   bool general_row(double* values, std::ptrdiff_t stride);
   std::vector<Cell> cells_of_row() const;
+  std::string with_decimal_point(const Cell&, std::size_t chosen);
   void general_cell(const Cell&, std::size_t chosen, double& value);
   std::vector<Cell> cells_of(const char* begin, const char* end) const;
   [[noreturn]] void ragged(std::size_t cells) const;
   Place place_at(const char* cell) const;
 
-  ByteSource source_;
+  TextSource source_;
   CsvLimits limits_;
+  TableFormat format_;
+  RowReader fast_row_ = nullptr;
   std::vector<char> buffer_;
   std::size_t row_ = 0;        // start in the buffer of the current row
   std::size_t next_ = 0;       // start of the next row
@@ -123,7 +151,6 @@ class CsvReader {
   bool ended_ = false;         // the source has no more data
   bool unterminated_ = false;  // the last line has no line end
   std::int64_t line_ = 1, next_line_ = 1;
-  char separator_ = ',';
   std::vector<std::string> header_;
   std::vector<Place> header_places_;
   std::vector<std::ptrdiff_t>

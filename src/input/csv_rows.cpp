@@ -21,22 +21,31 @@ constexpr std::uint64_t most_exact = std::uint64_t{1} << 53;
 
 unsigned digit(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
 
-/// The end of a cell that is not chosen: its comma or line end. Null, or another byte, if the general path
-/// must read the row: the cell crosses the end of the buffer, contains a line end, or has text after its
+/// The end of a cell that is not chosen: its separator or line end. Null, or another byte, if the general
+/// path must read the row: the cell crosses the end of the buffer, contains a line end, or has text after its
 /// quotation mark.
+template <char separator>
 const char* skip_cell(const char* p) {
   if (*p == '"') {
     for (++p; *p != '"' || *++p == '"'; ++p)
       if (*p == '\n' || *p == '\0') return nullptr;
     return p;
   }
-  while (*p != ',' && *p != '\n' && *p != '\r' && *p != '\0') ++p;
+  while (*p != separator && (separator != ' ' || *p != '\t') && *p != '\n' && *p != '\r' && *p != '\0') ++p;
   return p;
 }
 
-/// `nan` in any case of its letters, as programs write a missing value.
-bool is_nan(std::string_view text) {
-  return text.size() == 3 && (text[0] | 0x20) == 'n' && (text[1] | 0x20) == 'a' && (text[2] | 0x20) == 'n';
+/// std::from_chars for a number that ends at `end`, whose decimal mark is perhaps a comma.
+template <char decimal>
+bool converts(const char* begin, const char* end, double& value) {
+  std::string text;
+  if constexpr (decimal != '.') {
+    text.assign(begin, end);
+    std::replace(text.begin(), text.end(), decimal, '.');
+    begin = text.data(), end = text.data() + text.size();
+  }
+  const auto [last, failure] = std::from_chars(begin, end, value);
+  return failure == std::errc{} && last == end;
 }
 
 /// The end of the digits of an exponent whose `e` is at `p`; null if it has no digits.
@@ -47,11 +56,10 @@ const char* skip_exponent(const char* p) {
   return p;
 }
 
-}  // namespace
-
 /// Reads the number at `p`, correctly rounded: an integer below 2^53 divided by a power of ten up to 10^19 is
 /// one rounding of exact operands (Clinger 1990); std::from_chars reads any other number.
-const char* read_number(const char* p, double& value, WrittenNumbers& written) {
+template <char decimal>
+const char* read_number_with(const char* p, double& value, WrittenNumbers& written) {
   const char* const begin = p;
   const bool negative = *p == '-';
   p += negative;
@@ -60,7 +68,7 @@ const char* read_number(const char* p, double& value, WrittenNumbers& written) {
   for (unsigned d; (d = digit(*p)) <= 9; ++p) whole = 10 * whole + d;
   auto digits = p - first;
   std::ptrdiff_t decimals = 0;
-  if (*p == '.') {
+  if (*p == decimal) {
     const char* const point = ++p;
     for (unsigned d; (d = digit(*p)) <= 9; ++p) whole = 10 * whole + d;
     decimals = p - point;
@@ -76,12 +84,11 @@ const char* read_number(const char* p, double& value, WrittenNumbers& written) {
     const char* const power = p;
     if ((*p == 'e' || *p == 'E') && !(p = skip_exponent(p))) return nullptr;
     if (*p == '\0') return nullptr;
-    const auto [end, failure] = std::from_chars(begin, p, value);
-    if (failure != std::errc{} || end != p) return nullptr;
+    if (!converts<decimal>(begin, p, value)) return nullptr;
     if (p != power && std::from_chars(power + 1 + (power[1] == '+'), p, exponent).ec != std::errc{})
       return nullptr;
     int zeros = 0;  // leading zeros are not significant
-    for (const char* c = first; *c == '0' || *c == '.'; ++c) zeros += *c == '0';
+    for (const char* c = first; *c == '0' || *c == decimal; ++c) zeros += *c == '0';
     written.most_digits = std::max(written.most_digits, static_cast<int>(digits) - zeros);
   }
   const int places = static_cast<int>(decimals) - exponent;
@@ -90,40 +97,77 @@ const char* read_number(const char* p, double& value, WrittenNumbers& written) {
   return p;
 }
 
+/// Makes the decimal comma of a number a point; other texts are left alone.
+void make_decimal_point(char* begin, const char* end) {
+  if (!is_numeric({begin, static_cast<std::size_t>(end - begin)}, ',')) return;
+  std::replace(begin, begin + (end - begin), ',', '.');
+}
+
+}  // namespace
+
+bool is_missing(std::string_view text) {
+  return text.empty() ||
+         (text.size() == 3 && (text[0] | 0x20) == 'n' && (text[1] | 0x20) == 'a' && (text[2] | 0x20) == 'n');
+}
+
+const char* read_number(const char* p, double& value, WrittenNumbers& written) {
+  return read_number_with<'.'>(p, value, written);
+}
+
 /// Reads a row of unquoted numbers. @returns its end, or null if the general path must read the row
+template <char separator, char decimal>
 const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
   const char* p = buffer_.data() + row_;
   const std::ptrdiff_t* const plan = plan_.data();
   const std::size_t last = plan_.size() - 1;
   for (std::size_t i = 0;; ++i) {
     const std::ptrdiff_t chosen = plan[i];
-    while (*p == ' ' || *p == '\t') ++p;
+    while (*p == ' ' || (separator != '\t' && *p == '\t')) ++p;
     const char* const cell = p;
     if (chosen >= 0) {
-      p = read_number(cell, values[chosen * stride], written_[static_cast<std::size_t>(chosen)]);
-      if (!p && limits_.empty_cells && (*cell == ',' || *cell == '\n' || *cell == '\r')) {
+      p = read_number_with<decimal>(cell, values[chosen * stride],
+                                    written_[static_cast<std::size_t>(chosen)]);
+      if (!p && limits_.empty_cells && (*cell == separator || *cell == '\n' || *cell == '\r')) {
         values[chosen * stride] = no_number;
         p = cell;
       }
     } else {
-      p = skip_cell(cell);
+      p = skip_cell<separator>(cell);
       if (chosen < -1) {
         if (!p || *cell == '"' || (p != cell && is_blank(p[-1]))) return nullptr;
+        if constexpr (decimal != '.') make_decimal_point(buffer_.data() + (cell - buffer_.data()), p);
         texts_[static_cast<std::size_t>(-2 - chosen)] = {cell, p};
       }
     }
     if (!p) return nullptr;
     if (i == last) break;
-    if (*p++ != ',') return nullptr;
+    if (*p != separator && (separator != ' ' || *p != '\t')) return nullptr;
+    ++p;
   }
+  if constexpr (separator == ' ')
+    while (*p == ' ' || *p == '\t') ++p;
   p += *p == '\r';
   return *p == '\n' ? p + 1 : nullptr;
+}
+
+CsvReader::RowReader CsvReader::row_reader() const {
+  const bool comma = format_.decimal == ',';
+  switch (format_.separator) {
+    case ';':
+      return comma ? &CsvReader::fast_row<';', ','> : &CsvReader::fast_row<';', '.'>;
+    case '\t':
+      return comma ? &CsvReader::fast_row<'\t', ','> : &CsvReader::fast_row<'\t', '.'>;
+    case ' ':
+      return comma ? &CsvReader::fast_row<' ', ','> : &CsvReader::fast_row<' ', '.'>;
+    default:
+      return comma ? &CsvReader::no_fast_row : &CsvReader::fast_row<',', '.'>;
+  }
 }
 
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
   row_ = next_;
   line_ = next_line_;
-  if (const char* const end = fast_row(values, stride)) {
+  if (const char* const end = (this->*fast_row_)(values, stride)) {
     next_ = static_cast<std::size_t>(end - buffer_.data());
     ++next_line_;
     return true;
@@ -173,7 +217,7 @@ const char* CsvReader::record_end(const char* begin) {
       } else if (*p == '\n') {
         return p;
       } else {
-        starts = *p == separator_ || (starts && is_blank(*p));
+        starts = separates(*p) || (starts && is_blank(*p));
       }
     }
     const bool too_long = end_ - row_ > limits_.longest_row;
@@ -206,21 +250,38 @@ void CsvReader::ragged(std::size_t cells) const {
                remedy});
 }
 
+/// The number of a cell with a decimal point in place of a comma.
+/// @throws Error (input) for a point that may be one of thousands
+std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) {
+  std::string text = cell.text;
+  const bool commas = format_.decimal == ',' || format_.decimal_unknown;
+  if (!commas || text.find(',') == std::string::npos) {
+    if (format_.decimal == ',' && is_numeric(text, '.') && may_be_thousands(text))
+      throw Error(ambiguous_point(place_at(cell.begin), header_[chosen_[chosen]], text));
+    return text;
+  }
+  if (text.find('.') != std::string::npos ? remove_thousands(text) : replace_decimal_comma(text)) {
+    format_.decimal = ',';
+    fast_row_ = row_reader();
+  }
+  return text;
+}
+
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
-  if (limits_.empty_cells && (cell.text.empty() || is_nan(cell.text))) {
+  if (limits_.empty_cells && is_missing(cell.text)) {
     value = no_number;
     return;
   }
-  const std::string ended = cell.text + ',';
+  const std::string ended = with_decimal_point(cell, chosen) + '\n';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';
   const char* const end = read_number(begin, value, written_[chosen]);
-  if (end && end == ended.c_str() + cell.text.size()) return;
+  if (end && end == ended.c_str() + ended.size() - 1) return;
   throw Error(
       {place_at(cell.begin), header_[chosen_[chosen]],
        cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
        cell.text.empty() ? "" : "'" + cell.text + "'",
-       "write a plain number, or leave the row out" + (cell.text.empty() ? limits_.empty_remedy : "")});
+       "write a plain number, or leave the row out" + (is_missing(cell.text) ? limits_.empty_remedy : "")});
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {
@@ -234,8 +295,10 @@ bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     general_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
   for (std::size_t i = 0; i < text_columns_.size(); ++i) {
-    const std::string& text = cells[text_columns_[i]].text;
-    text_cells_[i] = text + ',';
+    std::string text = cells[text_columns_[i]].text;
+    if (format_.decimal == ',' || format_.decimal_unknown)
+      make_decimal_point(text.data(), text.data() + text.size());
+    text_cells_[i] = text + '\n';
     texts_[i] = std::string_view(text_cells_[i]).substr(0, text.size());
   }
   return true;

@@ -87,28 +87,84 @@ std::optional<std::int64_t> zone(std::string_view text) {
   return (west ? -60 : 60) * (60 * *hours + *minutes);
 }
 
-/// `YYYY-MM-DDThh:mm:ss[.d...][zone]`; a blank may stand for the T.
-std::optional<TimeStamp> iso_8601(std::string_view text) {
-  const auto y = take(text, 4, "-"), m = y ? take(text, 2, "-") : y, d = m ? take(text, 2, "Tt ") : m;
-  const auto h = d ? take(text, 2, ":") : d, min = h ? take(text, 2, ":") : h,
-             s = min ? take(text, 2, "") : min;
-  if (!s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
-  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(*y)),
-                                        std::chrono::month(static_cast<unsigned>(*m)),
-                                        std::chrono::day(static_cast<unsigned>(*d)));
+/// Takes the digits at the front of a text, at most `most`.
+std::optional<std::int64_t> take_digits(std::string_view& text, std::size_t most) {
+  std::size_t count = 0;
+  while (count < std::min(most, text.size()) && is_digit(text[count])) ++count;
+  return take(text, count, "");
+}
+
+bool take_mark(std::string_view& text, std::string_view marks) {
+  if (text.empty() || marks.find(text.front()) == std::string_view::npos) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+/// Days since 1970 of `2026-11-26`, `2026/11/26`, `26.11.2026`, `26/11/2026`, `11/26/2026`: with a slash the
+/// day is first if the numbers permit it. Differences of stamps depend on the order at midnight only.
+std::optional<std::int64_t> take_date(std::string_view& text) {
+  const std::size_t mark = std::min(text.find_first_of("-/."), text.size());
+  const bool year_first = mark == 4;
+  const auto first = take_digits(text, 4);
+  const std::string_view kind = text.substr(0, 1);
+  if (!first || !take_mark(text, "-/.")) return std::nullopt;
+  const auto second = take_digits(text, 2);
+  if (!second || !take_mark(text, kind)) return std::nullopt;
+  const auto third = take_digits(text, 4);
+  if (!third) return std::nullopt;
+  std::int64_t y = *first, m = *second, d = *third;
+  if (!year_first) std::swap(y, d);
+  if (!year_first && kind == "/" && m > 12) std::swap(m, d);
+  if (!year_first && y < 100) y += 2000;
+  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(y)),
+                                        std::chrono::month(static_cast<unsigned>(m)),
+                                        std::chrono::day(static_cast<unsigned>(d)));
+  if (!day.ok()) return std::nullopt;
+  return std::chrono::sys_days(day).time_since_epoch().count();
+}
+
+/// `hh:mm[:ss[.d...]][ AM| PM]`, a comma may stand for the point.
+std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
+  const auto h = take_digits(text, 2);
+  if (!h || !take_mark(text, ":")) return std::nullopt;
+  const auto min = take_digits(text, 2);
+  const bool with_seconds = min && take_mark(text, ":");
+  const auto s = with_seconds ? take_digits(text, 2) : std::optional<std::int64_t>(0);
+  if (!min || !s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
   std::int64_t part = 0;
-  if (text.starts_with('.') || text.starts_with(',')) {
-    const auto* const end = std::find_if_not(text.begin() + 1, text.end(), is_digit);
-    const auto digits = static_cast<std::size_t>(end - text.begin());
-    const auto read = digits > 1 ? attoseconds(std::string(text.substr(1, digits - 1))) : std::nullopt;
+  if (with_seconds && take_mark(text, ".,")) {
+    const auto digits =
+        static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
+    const auto read = digits > 0 ? attoseconds(std::string(text.substr(0, digits))) : std::nullopt;
     if (!read) return std::nullopt;
     part = *read;
     text.remove_prefix(digits);
   }
-  const auto east = zone(text);
-  if (!day.ok() || !east) return std::nullopt;
-  const std::int64_t days = std::chrono::sys_days(day).time_since_epoch().count();
-  return TimeStamp{86400 * days + 3600 * *h + 60 * *min + *s - *east, part};
+  std::int64_t hour = *h;
+  const std::string_view half = text.starts_with(' ') ? text.substr(1) : text;
+  if (half.size() == 2 && (half[1] | 0x20) == 'm' && ((half[0] | 0x20) == 'a' || (half[0] | 0x20) == 'p')) {
+    hour = hour % 12 + ((half[0] | 0x20) == 'p' ? 12 : 0);
+    text = {};
+  }
+  return TimeStamp{3600 * hour + 60 * *min + *s, part};
+}
+
+/// A date and a time of day, with `T` or a blank between them and perhaps a zone; or a time of day alone.
+std::optional<TimeStamp> calendar_stamp(std::string_view text) {
+  std::int64_t days = 0;
+  const std::size_t mark = text.find_first_not_of("0123456789");
+  const bool dated = mark != std::string_view::npos && text[mark] != ':';
+  if (dated) {
+    const auto date = take_date(text);
+    if (!date || !take_mark(text, "Tt ,;_")) return std::nullopt;
+    while (take_mark(text, " ")) {
+    }
+    days = *date;
+  }
+  const auto time = take_time_of_day(text);
+  const auto east = time ? zone(text) : std::nullopt;
+  if (!east) return std::nullopt;
+  return TimeStamp{86400 * days + time->seconds - *east, time->attoseconds};
 }
 
 }  // namespace
@@ -127,12 +183,25 @@ std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit,
   }
   const bool in_seconds = unit.factor == 1 && unit.divisor == 1;
   const auto stamp = decimal      ? exact(text, unit, rounded_seconds)
-                     : in_seconds ? iso_8601(text)
+                     : in_seconds ? calendar_stamp(text)
                                   : std::nullopt;
   if (!stamp) return std::nullopt;
   if (!origin_) origin_ = stamp;
-  return static_cast<double>(stamp->seconds - origin_->seconds) +
-         static_cast<double>(stamp->attoseconds - origin_->attoseconds) / atto;
+  return seconds(*stamp);
+}
+
+double LogClock::seconds(const TimeStamp& stamp) {
+  if (!origin_) origin_ = std::abs(stamp.seconds) < farthest ? TimeStamp{} : stamp;
+  return static_cast<double>(stamp.seconds - origin_->seconds) +
+         static_cast<double>(stamp.attoseconds - origin_->attoseconds) / atto;
+}
+
+std::string epoch_unit(double stamp) {
+  // From 1973 to 5138 in each unit: the ranges do not overlap.
+  constexpr std::pair<double, const char*> units[] = {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}};
+  for (const auto& [least, unit] : units)
+    if (stamp >= least && stamp < 1000 * least) return unit;
+  return {};
 }
 
 double LogClock::origin() const {

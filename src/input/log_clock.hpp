@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "input/csv.hpp"
@@ -14,16 +15,22 @@ struct TimeStamp {
   std::int64_t seconds = 0, attoseconds = 0;
 };
 
+/// The unit of a stamp without one that counts from 1970, by its size: `ms`, `us` or `ns`; "" for a smaller
+/// one, in seconds.
+std::string epoch_unit(double stamp);
+
 /// The time stamps of a log, in seconds after one origin.
 ///
 /// A double resolves 1 ns up to 2^23 s (97 days). A log whose first stamp lies beyond counts from an epoch:
 /// this stamp becomes the origin, and it is subtracted before a stamp is rounded to double.
 class LogClock {
  public:
-  /// @param text  a decimal number in `unit` or, for a unit of 1 s, `2026-05-01T12:00:00.5Z` (ISO 8601);
-  /// memory as of CsvReader::chosen_text
+  /// @param text  a decimal number in `unit` or, for a unit of 1 s, `2026-05-01T12:00:00.5Z` (ISO 8601),
+  /// `26.11.2026 17:16:42,123`, or a time of day; memory as of CsvReader::chosen_text
   /// @returns empty if it is none, or out of the range of double
   std::optional<double> seconds(std::string_view text, const Unit&, WrittenNumbers&);
+
+  double seconds(const TimeStamp&);
 
   /// Recorded time of the origin [s].
   double origin() const;

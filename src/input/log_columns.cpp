@@ -4,6 +4,8 @@
 #include <array>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/log_proposal.hpp"
 #include "input/read_sections.hpp"
 
 namespace qerr {
@@ -97,14 +99,6 @@ std::string hint(const std::string& name, const std::vector<std::string>& known)
   return near.empty() ? "" : " (did you mean '" + near + "'?)";
 }
 
-/// Whether a name means the time stamps: "Time", "time (s)", "timestamp", "t".
-bool means_time(const std::string& name) {
-  std::string lower;
-  for (const char c : name) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
-  return lower.starts_with("time") || lower == "t" || lower == "stamp" || lower.starts_with("t (") ||
-         lower.starts_with("t [");
-}
-
 bool is_position_signal(LogSignal signal) {
   return signal == LogSignal::counts || signal == LogSignal::measured || signal == LogSignal::reference ||
          signal == LogSignal::tip;
@@ -127,18 +121,19 @@ class ColumnFinder {
  public:
   ColumnFinder(const LogTable& table, const Spec& spec) : table_(table), spec_(spec) {
     known_ = known_columns(spec.model.chain);
-    for (const KnownColumn& k : known_) names_.push_back(k.name);
+    names_ = log_signal_names(spec.model.chain);
     for (std::size_t i = 0; i < table.header().size(); ++i) add(i);
     log_.columns = found_.columns;
     find_misspelt();
   }
 
   LogColumns checked(std::vector<std::string>& warnings) const {
-    check_table();
+    check_mapping();
     check_time();
     check_measured();
     if (!unitless_.empty())
       warnings.push_back(table_.file() + ": columns without a unit are read in SI units: " + unitless_);
+    if (!units_.empty()) warnings.push_back(table_.file() + ": units as they are understood: " + units_);
     if (!ignored_.empty())
       warnings.push_back(table_.file() + ": columns that the log does not use are ignored: " + ignored_);
     return found_;
@@ -146,23 +141,27 @@ class ColumnFinder {
 
  private:
   void add(std::size_t i) {
-    const std::string& cell = table_.header()[i].text;
-    const ColumnName parts = column_name(cell);
-    const auto found = std::find(names_.begin(), names_.end(), parts.name);
+    const LogHeader& header = table_.header()[i];
+    const ColumnMeaning& meaning = header.meaning;
+    if (header.text.empty()) return;  // behind a separator at the end of the rows
+    const auto found = std::find(names_.begin(), names_.end(), meaning.signal);
     if (found == names_.end()) {
-      ignored_ += (ignored_.empty() ? "'" : ", '") + cell + "'" + hint(parts.name, names_);
-      ignored_names_.push_back(parts.name);
+      ignored_ += (ignored_.empty() ? "'" : ", '") + header.text + "'" + hint(meaning.signal, names_);
+      ignored_names_.push_back(meaning.signal);
       ignored_places_.push_back(i);
       return;
     }
     const KnownColumn& known = known_[static_cast<std::size_t>(found - names_.begin())];
     for (std::size_t k = 0; k < found_.columns.size(); ++k)
       if (found_.columns[k].signal == known.signal && found_.columns[k].index == known.index)
-        throw duplicate(table_.header()[found_.places[k]], table_.header()[i]);
-    LogColumn column{known.signal, known.index, cell, {}, {}, {}, {}};
-    read_unit(column, dimension_of(known, spec_.model.chain), parts.unit, table_.header()[i].place);
-    if (parts.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
-      unitless_ += (unitless_.empty() ? "'" : ", '") + cell + "'";
+        throw duplicate(table_.header()[found_.places[k]], header);
+    LogColumn column{known.signal, known.index, header.text, {}, {}, {}, {}};
+    read_unit(column, dimension_of(known, spec_.model.chain), meaning.unit, header.place);
+    if (meaning.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
+      unitless_ += (unitless_.empty() ? "'" : ", '") + header.text + "'";
+    else if (known.signal != LogSignal::time && !meaning.mapped && !meaning.unit.empty() &&
+             column_name(header.text).unit != meaning.unit)
+      units_ += (units_.empty() ? "'" : ", '") + header.text + "' in " + meaning.unit;
     found_.columns.push_back(column);
     found_.places.push_back(i);
   }
@@ -185,23 +184,29 @@ class ColumnFinder {
                   one_file ? "" : "'" + first.text + "' in " + first.place.file, "keep one of them"});
   }
 
-  void check_table() const {
-    const std::string& first = table_.header()[0].text;
-    if (!found_.columns.empty() || table_.header().size() > 1) return;
-    for (const auto& [mark, name] : {std::pair{';', "semicolons"}, {'\t', "tabulators"}})
-      if (first.find(mark) != std::string::npos)
-        throw Error(
-            {table_.header()[0].place, "", "cells must be separated by commas", name, "export it as CSV"});
+  /// Every column of the mapping must be in a file.
+  void check_mapping() const {
+    for (const LogSource& source : spec_.log.columns) {
+      const bool found = std::any_of(table_.header().begin(), table_.header().end(), [&](const LogHeader& h) {
+        return h.meaning.mapped && h.meaning.signal == source.signal;
+      });
+      if (found) continue;
+      std::vector<std::string> all;
+      for (const LogHeader& h : table_.header()) all.push_back(h.text);
+      throw Error({table_.header()[0].place, "log.columns." + source.signal, "the log has no such column",
+                   quoted(source.column), did_you_mean(source.column, all)});
+    }
   }
 
-  /// A table without time is diagnosed as a static one; a misspelt time column must not cause that silently.
+  /// A table without time is diagnosed as a static one; several columns that may be the time must not cause
+  /// that silently.
   void check_time() const {
     if (log_.has_time()) return;
     for (std::size_t i = 0; i < ignored_places_.size(); ++i)
-      if (means_time(ignored_names_[i]))
-        throw Error({table_.header()[ignored_places_[i]].place, table_.header()[ignored_places_[i]].text,
-                     "no column is called time", "",
-                     "name it 'time [s]', or leave it out for a static table"});
+      if (is_time_name(ignored_names_[i]))
+        raise({table_.header()[ignored_places_[i]].place, table_.header()[ignored_places_[i]].text,
+               "no column is called time, and several may be it", "",
+               "say which with --column time=" + shell_word(table_.header()[ignored_places_[i]].text)});
   }
 
   void check_measured() const {
@@ -227,7 +232,16 @@ class ColumnFinder {
                       ".measured [" + unit_of(joint) + "]'"
                 : "add '" + name + ".counts' or '" + name + ".measured [" + unit_of(joint) + "]'";
     if (!near.empty()) remedy += "; is it '" + near + "'?";
-    throw Error({table_.header()[0].place, name, rule, "", remedy});
+    raise({table_.header()[0].place, name, rule, "", remedy});
+  }
+
+  /// A fault of the columns, and what may be meant by columns of other names.
+  [[noreturn]] void raise(const Fault& fault) const {
+    const LogReading proposal = proposed_mapping(table_, spec_);
+    if (proposal.columns.size() <= spec_.log.columns.size()) throw Error(fault);
+    Fault answered = fault;
+    answered.remedy += "; or map its columns, as guessed here by names and values:";
+    throw Error({answered, {{}, "", "", "", mapping_text(proposal)}});
   }
 
   std::string unit_of(std::size_t joint) const {
@@ -239,18 +253,31 @@ class ColumnFinder {
   std::vector<KnownColumn> known_;
   std::vector<std::string> names_, ignored_names_;
   std::vector<std::size_t> ignored_places_;
-  std::string ignored_, unitless_;
+  std::string ignored_, unitless_, units_;
   LogColumns found_;
   Log log_;
 };
 
 }  // namespace
 
-Unit time_unit(const std::string& header, const Place& place) {
+Unit time_unit(const std::string& unit, const std::string& header, const Place& place) {
   LogColumn column;
   column.header = header;
-  read_unit(column, dimension::time, column_name(header).unit, place);
+  read_unit(column, dimension::time, unit, place);
   return column.scale;
+}
+
+std::vector<std::string> log_signal_names(const Chain& chain) {
+  std::vector<std::string> names;
+  for (const KnownColumn& k : known_columns(chain)) names.push_back(k.name);
+  return names;
+}
+
+void require_log_signal(const std::string& name, const Place& place, const std::string& path,
+                        const Chain& chain) {
+  const std::vector<std::string> known = log_signal_names(chain);
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error({place, path, "no signal of this robot's logs", quoted(name), did_you_mean(name, known)});
 }
 
 LogColumns find_log_columns(const LogTable& table, const Spec& spec, std::vector<std::string>& warnings) {

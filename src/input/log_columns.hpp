@@ -18,8 +18,14 @@ struct LogColumns {
 /// @throws Error (input) like LogReader for headers
 LogColumns find_log_columns(const LogTable&, const Spec&, std::vector<std::string>& warnings);
 
-/// The unit of a column of time stamps, by its header; seconds without one.
+/// The unit of a column of time stamps, seconds for "".
 /// @throws Error (input) if it is no unit of time
-Unit time_unit(const std::string& header, const Place&);
+Unit time_unit(const std::string& unit, const std::string& header, const Place&);
+
+/// The signals that a log of this robot can have, such as `elbow.counts`.
+std::vector<std::string> log_signal_names(const Chain&);
+
+/// @throws Error (input) for a name that is none of them
+void require_log_signal(const std::string& name, const Place&, const std::string& path, const Chain&);
 
 }  // namespace qerr

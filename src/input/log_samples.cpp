@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
+#include "core/statistics.hpp"
+#include "input/bag_file.hpp"
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
 
 namespace qerr {
 
-StampReader::StampReader(const CsvReader& table, std::size_t column, std::size_t text, LogClock& clock)
+StampReader::StampReader(const CsvReader& table, std::size_t column, std::size_t text,
+                         const std::string& unit, LogClock& clock)
     : table_(table),
       column_(column),
       text_(text),
       clock_(clock),
-      unit_(time_unit(table.header()[column], table.header_place(column))) {}
+      unit_(time_unit(unit, table.header()[column], table.header_place(column))) {}
 
 double StampReader::operator()() {
   const std::string_view text = table_.chosen_text(text_);
@@ -39,31 +43,87 @@ void StampReader::refuse(const std::string& rule, const std::string& remedy) con
 
 namespace {
 
-/// Index of the first column of this name.
-std::optional<std::size_t> column_called(const CsvReader& table, const std::string& name) {
+/// Whether a header has a column of this name.
+bool has_column(const CsvReader& table, const std::string& name) {
   const auto& header = table.header();
-  const auto found = std::find_if(header.begin(), header.end(),
-                                  [&](const std::string& cell) { return column_name(cell).name == name; });
-  if (found == header.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - header.begin());
+  return std::any_of(header.begin(), header.end(),
+                     [&](const std::string& cell) { return column_name(cell).name == name; });
 }
+
+}  // namespace
+
+std::string unit_of_steps(const std::vector<double>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (stamps[i] != std::floor(stamps[i])) return "";
+    if (i > 0 && stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
+  }
+  if (steps.empty()) return "";
+  const double step = median(steps);
+  constexpr double fastest = 50e-6, slowest = 0.2;  // [s] 20 kHz and 5 Hz, convention
+  std::string found;
+  if (step == 1) return "";  // a number of the row as well
+  for (const auto& [unit, size] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
+    if (step * size >= fastest && step * size <= slowest) found = found.empty() ? unit : "?";
+  return found == "?" ? "" : found;
+}
+
+std::string recognize_stamps(const CsvReader& table, std::size_t column, ColumnMeaning& meaning) {
+  const std::string& header = table.header()[column];
+  const bool by_name = !meaning.mapped && measured_name(header).name != "time";
+  std::string how;
+  if (meaning.unit.empty()) {
+    std::vector<double> stamps;
+    bool calendar = false;
+    WrittenNumbers written;
+    for (const std::vector<std::string>& row : table.first_rows(20)) {
+      if (column >= row.size() || row[column].empty()) continue;
+      std::string text = row[column];
+      replace_decimal_comma(text);
+      double stamp = 0;
+      text += '\n';
+      if (read_number(text.data(), stamp, written) == text.data() + text.size() - 1)
+        stamps.push_back(stamp);
+      else
+        calendar = true;
+    }
+    if (calendar && stamps.empty()) {
+      meaning.unit = "s", how = "calendar time";
+    } else if (!stamps.empty()) {
+      if (const std::string unit = epoch_unit(stamps.front()); !unit.empty())
+        meaning.unit = unit, how = unit + " since 1970, by their size";
+      else if (const std::string program = program_time_unit(table.header()); !program.empty())
+        meaning.unit = program, how = program + ", as libfranka writes them";
+      else if (const std::string named = unit_in_words(measured_name(header).name); by_name && !named.empty())
+        meaning.unit = named;
+      else if (const std::string step = by_name ? unit_of_steps(stamps) : ""; !step.empty())
+        meaning.unit = step, how = step + ", by their steps";
+    }
+  }
+  meaning.signal = "time";
+  if (how.empty() && !by_name) return "";
+  return table.file() + ": '" + header + "' is read as the time stamps" +
+         (how.empty() ? meaning.unit.empty() ? "" : ", in " + meaning.unit : ", in " + how);
+}
+
+namespace {
 
 class WideSamples : public LogSamples {
  public:
-  WideSamples(std::unique_ptr<CsvReader> table, bool empty_stamps, LogClock& clock)
-      : table_(std::move(table)),
-        clock_(clock),
-        empty_stamps_(empty_stamps),
-        time_(column_called(*table_, "time")) {
+  WideSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
+      : table_(std::move(table)), clock_(clock), empty_stamps_(reading.missing == MissingValues::drop) {
+    std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
+    time_ = time_column(meanings);
+    if (time_) stamps_ = recognize_stamps(*table_, *time_, meanings[*time_]);
     for (std::size_t i = 0; i < table_->header().size(); ++i)
-      signals_.push_back({table_->header()[i], table_->header_place(i)});
+      signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
   }
 
   const std::vector<LogHeader>& signals() const override { return signals_; }
   std::optional<std::size_t> time() const override { return time_; }
 
   void choose(const std::vector<std::size_t>& signals) override {
-    if (time_) stamp_.emplace(*table_, *time_, 0, clock_);
+    if (time_) stamp_.emplace(*table_, *time_, 0, signals_[*time_].meaning.unit, clock_);
     table_->choose(signals, time_ ? std::vector{*time_} : std::vector<std::size_t>{});
   }
 
@@ -87,10 +147,25 @@ class WideSamples : public LogSamples {
   DecimalText written(std::size_t chosen) const override { return table_->written(chosen); }
   DecimalText written_time() const override { return stamp_ ? stamp_->written() : DecimalText{}; }
   const ByteSource& source() const override { return table_->source(); }
+  std::vector<std::string> first_texts(std::size_t signal) const override {
+    constexpr std::size_t most = 1000;
+    std::vector<std::string> texts;
+    for (std::vector<std::string>& row : table_->first_rows(most))
+      if (signal < row.size()) texts.push_back(std::move(row[signal]));
+    return texts;
+  }
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all;
+    if (const std::string format = table_->recognized(); !format.empty())
+      all.push_back(table_->file() + ": " + format);
+    if (!stamps_.empty()) all.push_back(stamps_);
+    return all;
+  }
 
  private:
   std::unique_ptr<CsvReader> table_;
   LogClock& clock_;
+  std::string stamps_;  // what was recognized of them
   bool empty_stamps_;
   std::optional<std::size_t> time_;
   std::vector<LogHeader> signals_;
@@ -100,12 +175,32 @@ class WideSamples : public LogSamples {
 
 }  // namespace
 
-std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits& limits, bool empty_stamps,
-                                     LogClock& clock) {
-  auto table = std::make_unique<CsvReader>(path, limits);
-  if (column_called(*table, "signal") && column_called(*table, "value"))
-    return read_long_log(std::move(table), clock);
-  return std::make_unique<WideSamples>(std::move(table), empty_stamps, clock);
+namespace {
+
+/// The first bytes of a file that can be read again; "" of a pipe, whose writer would notice.
+std::string head_of(const std::string& path) {
+  std::error_code unknown;
+  if (path == "-" || !std::filesystem::is_regular_file(path, unknown)) return {};
+  ByteSource source(path);
+  std::string head(16, '\0');
+  head.resize(source.read(head.data(), head.size()));
+  return head;
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const CsvLimits& limits,
+                                                  const LogReading& reading, LogClock& clock) {
+  if (is_bag(head_of(path))) return open_bag_log(path, reading, clock);
+  CsvLimits any_format = limits;
+  any_format.recognize = true;
+  auto table = std::make_unique<CsvReader>(path, any_format);
+  std::vector<std::unique_ptr<LogSamples>> one;
+  if (has_column(*table, "signal") && has_column(*table, "value"))
+    one.push_back(read_long_log(std::move(table), reading, clock));
+  else
+    one.push_back(std::make_unique<WideSamples>(std::move(table), reading, clock));
+  return one;
 }
 
 }  // namespace qerr

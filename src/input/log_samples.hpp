@@ -7,6 +7,7 @@
 
 #include "input/csv.hpp"
 #include "input/log_clock.hpp"
+#include "input/log_names.hpp"
 
 namespace qerr {
 
@@ -14,6 +15,7 @@ namespace qerr {
 struct LogHeader {
   std::string text;  ///< `NAME [UNIT]`
   Place place;
+  ColumnMeaning meaning;
 };
 
 /// One file of a log as samples in the order of time.
@@ -49,26 +51,49 @@ class LogSamples {
   virtual DecimalText written(std::size_t chosen) const = 0;
   virtual DecimalText written_time() const = 0;
 
+  /// The first values of a signal as texts; only before `choose`.
+  virtual std::vector<std::string> first_texts(std::size_t signal) const = 0;
+
   virtual const ByteSource& source() const = 0;
+  /// Of the file, and of the topic of a bag.
+  virtual std::string name() const { return source().name(); }
+  /// Bytes read.
+  virtual std::uint64_t position() const { return source().position(); }
   /// What a user should know about the file; complete after `choose`.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/// Opens a file and reads its header, of a long file everything.
-/// @param empty_stamps  of a wide file: a row without a time stamp has the time NaN; else it is an error
+/// Opens a file and reads its header, of a long file everything; of a bag each topic is a file of its own.
+/// @param reading  the mapping of columns; where an empty cell leaves out its row, a row without a time stamp
+/// has the time NaN, else it is an error
 /// @param clock  of all files of the log; must outlive the result
-/// @throws Error like CsvReader; (input) for a long file without time stamps, or a signal with two units
-std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits&, bool empty_stamps,
-                                     LogClock& clock);
+/// @throws Error like CsvReader; (input) for a long file without time stamps, or a signal with two units, a
+/// bag that is damaged, or has nothing to read
+std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const CsvLimits&,
+                                                  const LogReading& reading, LogClock& clock);
+
+/// For a bag (see BagFile): a first pass finds its signals, and each stream of samples is read again.
+std::vector<std::unique_ptr<LogSamples>> open_bag_log(const std::string& path, const LogReading&, LogClock&);
 
 /// For a long file, whose header has the columns `signal` and `value`.
-std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, LogClock&);
+std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, const LogReading&, LogClock&);
+
+/// What the first rows of a table say of its time stamps: completes the unit of their column, where neither
+/// header nor mapping gives it.
+/// @returns what was recognized, for a warning; "" if nothing was
+std::string recognize_stamps(const CsvReader&, std::size_t column, ColumnMeaning&);
+
+/// The unit of stamps that are whole numbers and follow each other at a rate of a robot's log, 5 Hz to 20
+/// kHz, in no other unit; "" if there is none, or several.
+std::string unit_of_steps(const std::vector<double>& stamps);
 
 /// Reads the time stamps of one file.
 class StampReader {
  public:
   /// @param column  of the time stamps; the i-th of the texts that the table reads
-  StampReader(const CsvReader& table, std::size_t column, std::size_t text, LogClock& clock);
+  /// @param unit  "" for seconds
+  StampReader(const CsvReader& table, std::size_t column, std::size_t text, const std::string& unit,
+              LogClock& clock);
 
   /// The stamp of the last row [s]. @throws Error (input) if it is none
   double operator()();

@@ -16,22 +16,25 @@ LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLi
   held.empty_cells = missing_values_ != MissingValues::error;
   held.empty_remedy =
       "; --set log.missing=drop leaves out all such rows, --hold holds the last value of a column";
-  for (const std::string& path : files.paths) {
-    File file;
-    file.samples = open_log(path, held, missing_values_ == MissingValues::drop, *clock_);
-    const auto time = file.samples->time();
-    const auto& signals = file.samples->signals();
-    if (files.paths.size() > 1 && !time)
-      throw Error({signals[0].place, "", "files are joined by time: each needs time stamps", "",
-                   "add a column 'time [s]'"});
-    for (std::size_t i = 0; i < signals.size(); ++i) {
-      if (i == time && !files_.empty()) continue;
-      header_.push_back(signals[i]);
-      sources_.emplace_back(files_.size(), i);
+  for (const std::string& path : files.paths)
+    for (std::unique_ptr<LogSamples>& samples : open_log(path, held, reading, *clock_)) {
+      File file;
+      file.samples = std::move(samples);
+      const auto time = file.samples->time();
+      const auto& signals = file.samples->signals();
+      if (files.paths.size() > 1 && !time)
+        throw Error({signals[0].place, "", "files are joined by time: each needs time stamps", "",
+                     "add a column 'time [s]'"});
+      for (std::size_t i = 0; i < signals.size(); ++i) {
+        if (i == time && !files_.empty()) continue;
+        header_.push_back(signals[i]);
+        sources_.emplace_back(files_.size(), i);
+      }
+      const std::string& name = file.samples->source().name();
+      const bool of_the_last = !files_.empty() && files_.back().samples->source().name() == name;
+      if (!of_the_last) file_ += (file_.empty() ? "" : ", ") + name;
+      files_.push_back(std::move(file));
     }
-    file_ += (file_.empty() ? "" : ", ") + file.samples->source().name();
-    files_.push_back(std::move(file));
-  }
 }
 
 void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector<Joining>& joining) {
@@ -55,6 +58,7 @@ void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector
   for (std::size_t f = 0; f < files_.size(); ++f) {
     files_[f].samples->choose(files_[f].signals);
     files_[f].values.resize(files_[f].signals.size());
+    files_[f].ended = files_.size() > 1 && files_[f].signals.empty();  // its stamps are no rows
     files_[f].interpolated = any && !of_readings[f] && missing_values_ != MissingValues::hold;
   }
 }
@@ -260,13 +264,15 @@ DecimalText LogTable::written(std::size_t chosen) const {
 
 std::uint64_t LogTable::position() const {
   std::uint64_t sum = 0;
-  for (const File& file : files_) sum += file.samples->source().position();
+  for (const File& file : files_)
+    if (!file.signals.empty()) sum += file.samples->position();
   return sum;
 }
 
 std::uint64_t LogTable::size() const {
   std::uint64_t sum = 0;
   for (const File& file : files_) {
+    if (file.signals.empty()) continue;
     if (file.samples->source().size() == 0) return 0;
     sum += file.samples->source().size();
   }
@@ -283,7 +289,7 @@ std::vector<std::string> LogTable::warnings() const {
   std::string between;
   for (const File& file : files_)
     if ((between_samples_ || unenclosed_ > 0) && file.interpolated && !file.signals.empty())
-      between += (between.empty() ? "" : ", ") + file.samples->source().name();
+      between += (between.empty() ? "" : ", ") + file.samples->name();
   if (!between.empty())
     all.push_back(between + ": interpolated at the stamps of the encoders" +
                   (unenclosed_ == 0 ? ""
@@ -301,8 +307,8 @@ std::vector<std::string> LogTable::warnings() const {
       const std::uint64_t held = rows_ - c.last_row;
       // A signal recorded at a rate of its own pauses by less than two of its intervals.
       if (held > 2 * c.longest_hold)
-        all.push_back(file.samples->source().name() + ": " + file.samples->signals()[file.signals[i]].text +
-                      " ends " + counted(held, "row") +
+        all.push_back(file.samples->name() + ": " + file.samples->signals()[file.signals[i]].text + " ends " +
+                      counted(held, "row") +
                       " before the log does; its last value is held: cut the log there if it went on moving");
     }
   const std::string held = incomplete_columns();

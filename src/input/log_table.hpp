@@ -41,6 +41,12 @@ class LogTable {
   /// The signals of all files, and the time stamps of the first one.
   const std::vector<LogHeader>& header() const { return header_; }
 
+  /// The first values of a column; only before `choose`.
+  std::vector<std::string> first_texts(std::size_t column) const {
+    const auto& [file, signal] = sources_[column];
+    return files_[file].samples->first_texts(signal);
+  }
+
   /// Selects the columns to read, by their index in the header.
   void choose(const std::vector<std::size_t>& columns, const std::vector<Joining>&);
 

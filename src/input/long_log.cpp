@@ -28,9 +28,10 @@ struct LongSignal {
 
 class LongSamples : public LogSamples {
  public:
-  LongSamples(std::unique_ptr<CsvReader> table, LogClock& clock) : table_(std::move(table)) {
-    find_columns();
-    StampReader stamp(*table_, column_[time_text], time_text, clock);
+  LongSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
+      : table_(std::move(table)) {
+    find_columns(reading);
+    StampReader stamp(*table_, column_[time_text], time_text, headers_[0].meaning.unit, clock);
     std::vector<std::size_t> texts{column_[time_text], column_[signal_text], column_[value_text]};
     if (units_) texts.push_back(column_[unit_text]);
     table_->choose({}, texts);
@@ -42,6 +43,10 @@ class LongSamples : public LogSamples {
       last = time;
     }
     written_time_ = stamp.written();
+    std::vector<std::string> names;
+    for (const LogHeader& h : headers_) names.push_back(h.text);
+    const std::vector<ColumnMeaning> meanings = column_meanings(names, reading);
+    for (std::size_t i = 1; i < headers_.size(); ++i) headers_[i].meaning = meanings[i];
     if (index_.empty())
       throw Error({{table_->file(), table_->line(), 1}, "", "the log has no rows", "only a header", ""});
   }
@@ -88,20 +93,35 @@ class LongSamples : public LogSamples {
   DecimalText written(std::size_t chosen) const override { return signals_[chosen_[chosen]].written.text(); }
   DecimalText written_time() const override { return written_time_; }
   const ByteSource& source() const override { return table_->source(); }
+  std::vector<std::string> first_texts(std::size_t signal) const override {
+    constexpr std::size_t most = 1000;
+    std::vector<std::string> texts;
+    for (const Sample& s : samples_)
+      if (s.signal == signal && texts.size() < most) texts.push_back(shortest(s.value));
+    return texts;
+  }
   std::vector<std::string> warnings() const override {
-    if (ordered_) return {};
-    return {table_->file() + ": its rows are not in the order of time; they are sorted by time"};
+    std::vector<std::string> all;
+    if (const std::string format = table_->recognized(); !format.empty())
+      all.push_back(table_->file() + ": " + format);
+    if (!stamps_.empty()) all.push_back(stamps_);
+    if (!ordered_)
+      all.push_back(table_->file() + ": its rows are not in the order of time; they are sorted by time");
+    return all;
   }
 
  private:
   enum Text : std::size_t { time_text, signal_text, value_text, unit_text };
 
-  void find_columns() {
+  void find_columns(const LogReading& reading) {
     static const std::string names[] = {"time", "signal", "value", "unit"};
     std::string others;
     bool found[4] = {};
+    std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
+    const auto time = time_column(meanings);
     for (std::size_t i = 0; i < table_->header().size(); ++i) {
-      const ColumnName cell = column_name(table_->header()[i]);
+      ColumnName cell = column_name(table_->header()[i]);
+      if (i == time) cell.name = names[time_text];
       const auto* const name = std::find(std::begin(names), std::end(names), cell.name);
       const auto k = static_cast<std::size_t>(name - std::begin(names));
       if (k == 4) continue;
@@ -117,7 +137,9 @@ class LongSamples : public LogSamples {
       throw Error({table_->header_place(0), "", "rows of single signals need time stamps", "",
                    "add a column 'time [s]'"});
     units_ = found[unit_text];
-    headers_.push_back({table_->header()[column_[time_text]], table_->header_place(column_[time_text])});
+    const std::size_t stamp = column_[time_text];
+    stamps_ = recognize_stamps(*table_, stamp, meanings[stamp]);
+    headers_.push_back({table_->header()[stamp], table_->header_place(stamp), meanings[stamp]});
     signals_.emplace_back();
   }
 
@@ -131,7 +153,7 @@ class LongSamples : public LogSamples {
       if (!unit.empty() && !column_name(name_).unit.empty())
         throw Error({place, name_, "the signal has a unit in its name and in the column 'unit'", "",
                      "keep one of them"});
-      headers_.push_back({unit.empty() ? name_ : name_ + " [" + std::string(unit) + ']', place});
+      headers_.push_back({unit.empty() ? name_ : name_ + " [" + std::string(unit) + ']', place, {}});
       signals_.emplace_back().unit = unit;
     } else if (unit != signals_[found->second].unit) {
       throw Error({table_->cell_place(column_[unit_text]), name_, "a signal must have one unit",
@@ -166,7 +188,7 @@ class LongSamples : public LogSamples {
   std::unique_ptr<CsvReader> table_;
   std::size_t column_[4] = {};
   bool units_ = false, ordered_ = true;
-  std::string name_;
+  std::string name_, stamps_;
   std::unordered_map<std::string, std::uint32_t> index_;
   std::vector<LogHeader> headers_;  // the time stamps first
   std::vector<LongSignal> signals_;
@@ -179,8 +201,9 @@ class LongSamples : public LogSamples {
 
 }  // namespace
 
-std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader> table, LogClock& clock) {
-  return std::make_unique<LongSamples>(std::move(table), clock);
+std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader> table, const LogReading& reading,
+                                          LogClock& clock) {
+  return std::make_unique<LongSamples>(std::move(table), reading, clock);
 }
 
 }  // namespace qerr

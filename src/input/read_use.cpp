@@ -2,11 +2,13 @@
 #include <filesystem>
 
 #include "core/suggest.hpp"
+#include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/core/unit.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 
-/// Reads the sections `coordinates` and `threshold` of a spec.
+/// Reads the sections `coordinates`, `log` and `threshold` of a spec.
 namespace qerr {
 
 namespace {
@@ -61,11 +63,34 @@ void read_coordinates(const Field& f, Spec& spec) {
   for (const Coordinate c : lengths) add_length(c, model);
 }
 
+namespace {
+
+/// A header, or `{column: HEADER, unit: UNIT}`.
+LogSource read_log_source(const std::string& signal, const Field& f) {
+  if (f.node->type != Node::Type::mapping) return {signal, read_text_value(f), {}};
+  const Object o(f, spec_format::log_column());
+  const std::string unit = o.text("unit").value_or("");
+  std::string why;
+  if (!unit.empty() && !parse_unit(unit, why)) throw Error(o.at("unit").fault(why, "such as deg, mm or ms"));
+  return {signal, *o.text("column"), unit};
+}
+
+}  // namespace
+
 void read_log_section(const Field& f, Spec& spec) {
-  const std::string missing = Object(f, spec_format::log()).choice("missing");
+  const Object o(f, spec_format::log());
+  const std::string missing = o.choice("missing");
   spec.log.missing = missing == "drop"   ? MissingValues::drop
                      : missing == "hold" ? MissingValues::hold
                                          : MissingValues::error;
+  if (o.has("time")) spec.log.columns.push_back(read_log_source("time", o.at("time")));
+  if (!o.has("columns")) return;
+  for (const auto& [key, value] : read_map(o.at("columns"))) {
+    require_log_signal(key.name, key.place, value.path, spec.model.chain);
+    for (const LogSource& other : spec.log.columns)
+      if (other.signal == key.name) throw Error(value.fault("duplicate signal", "keep one of them"));
+    spec.log.columns.push_back(read_log_source(key.name, value));
+  }
 }
 
 void read_threshold(const Field& f, Spec& spec) {

@@ -337,12 +337,31 @@ const std::vector<Parameter>& effect() {
 
 const std::vector<Parameter>& log() {
   static const std::vector<Parameter> rows{
+      {.name = "time",
+       .kind = Kind::any,
+       .meaning = "the column of the time stamps, or {column: t_ms, unit: ms}; default: the one called so"},
+      {.name = "columns",
+       .kind = Kind::map,
+       .meaning =
+           "the column of each signal that is not called so, such as a1.measured: /joint_states/a1/position, "
+           "or {column: q1_link, unit: deg}"},
       {.name = "missing",
        .kind = Kind::choice,
        .meaning =
            "what becomes of a row with an empty cell: an error, the row is left out, or the last value "
            "of the column is held",
        .choices = "error|drop|hold"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& log_column() {
+  static const std::vector<Parameter> rows{
+      {.name = "column",
+       .kind = Kind::text,
+       .meaning = "its header; 'column 3' of a file without one",
+       .required = true},
+      {.name = "unit", .kind = Kind::text, .meaning = "in place of that of the header, such as deg or ms"},
   };
   return rows;
 }

@@ -29,6 +29,7 @@ const std::vector<Parameter>& sine();
 const std::vector<Parameter>& move();
 const std::vector<Parameter>& effect();  ///< without the effect's own parameters
 const std::vector<Parameter>& log();
+const std::vector<Parameter>& log_column();
 const std::vector<Parameter>& sweep();
 const std::vector<Parameter>& design();
 const std::vector<Parameter>& design_filter();

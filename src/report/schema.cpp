@@ -246,7 +246,12 @@ std::string json_schema() {
   refine(s, "threshold", object_of(spec_format::threshold()));
   refine(s, "motion", motion());
   refine(s, "effects", schema::list(effect()));
-  refine(s, "log", object_of(spec_format::log()));
+  Json log = object_of(spec_format::log());
+  const Json column =
+      any_of({Json({{"type", "string"}, {"minLength", 1}}), object_of(spec_format::log_column())});
+  refine(log, "time", column);
+  refine(log, "columns", schema::map(column));
+  refine(s, "log", log);
   refine(s, "sweep", schema::list(sweep()));
   refine(s, "design", design());
   root.append(s);

@@ -316,9 +316,8 @@ TEST_F(JoinedLog, StampsOfSeveralFilesHaveOneOrigin) {
 }
 
 TEST_F(JoinedLog, WrongDatesAreErrors) {
-  for (const std::string stamp :
-       {"2023-13-01T00:00:00Z", "2023-02-29T00:00:00Z", "2023-02-28T00:00", "2023-02-28",
-        "2023-02-28T00:00:00.", "2023-02-28T00:00:00CET", "2023-02-28T00:61:00Z"})
+  for (const std::string stamp : {"2023-13-01T00:00:00Z", "2023-02-29T00:00:00Z", "2023-02-28",
+                                  "2023-02-28T00:00:00.", "2023-02-28T00:00:00CET", "2023-02-28T00:61:00Z"})
     EXPECT_TRUE(has(refusal("time [s],shoulder.counts\n" + stamp + ",1\n"), "2:1: time [s]: not a")) << stamp;
 }
 

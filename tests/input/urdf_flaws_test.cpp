@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "support/urdf_text.hpp"
 

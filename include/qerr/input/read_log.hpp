@@ -19,6 +19,11 @@ namespace qerr {
 /// what becomes (`LogReading`): the row is left out (of joined files every row in which a signal has no value
 /// of its own), or the last value of its column is held, both with a warning; else it is an error.
 ///
+/// Tables may be separated by commas, semicolons, tabulators or blanks, with decimal commas, preambles and in
+/// other encodings than UTF-8; what was recognized is among the log's warnings. Columns of other names than
+/// signals' are read by the spec's mapping; without one the error proposes it. A bag of ROS 2 (`.mcap`,
+/// `.db3`) is as many files as it has topics; it is read twice, as a stream.
+///
 /// A file is wide, a column each signal, or long: `time [s],signal,value` and perhaps `unit`, a row each
 /// sample. Of a long file every signal must be in the order of time, not the file. It is kept in memory, 24
 /// bytes a sample.
@@ -37,7 +42,7 @@ struct LogOptions {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
-/// Reads a measured log (CSV) in blocks, in memory that does not grow with a wide file.
+/// Reads a measured log in blocks, in memory that does not grow with a wide file.
 ///
 ///     LogReader reader("log.csv", spec);
 ///     Eigen::ArrayXXd rows;

@@ -54,9 +54,17 @@ struct SweepAxis {
 /// last value of the signal is held.
 enum class MissingValues { error, drop, hold };
 
+/// The column of a log's file that has a signal.
+struct LogSource {
+  std::string signal;  ///< `time`, `a1.counts`, `tip.x`
+  std::string column;  ///< its header, with or without its unit; `column 3` of a file without a header
+  std::string unit;    ///< in place of that of the header; "" without one
+};
+
 /// How a log is read.
 struct LogReading {
   MissingValues missing = MissingValues::error;
+  std::vector<LogSource> columns;  ///< those that are not called as their signals
 };
 
 struct DesignRequest;  // src/input/design_request.hpp

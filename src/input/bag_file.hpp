@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/bag_messages.hpp"
+
+namespace qerr {
+
+/// The messages of a recorded bag, one after the other, in memory that does not grow with it: a file of MCAP
+/// (mcap.dev; chunks plain or compressed by LZ4 or Zstandard), or rosbag2's database of SQLite.
+class BagFile {
+ public:
+  virtual ~BagFile() = default;
+
+  /// The next message; its texts are valid until the next call. @returns false at the end
+  /// @throws Error (input) for a file that is damaged, or in an encoding that is not read
+  virtual bool next(BagMessage&) = 0;
+
+  /// Bytes read so far.
+  virtual std::uint64_t position() const = 0;
+  /// Whether the file ends within a record: the recording was cut off.
+  virtual bool is_cut_off() const { return false; }
+};
+
+/// Whether a file begins like one of them.
+bool is_bag(std::string_view head);
+
+/// @param topic  of the messages; "" for all
+/// @throws Error (file_system) if the file cannot be read; (input) if it is no bag
+std::unique_ptr<BagFile> open_bag(const std::string& path, const std::string& topic);
+
+}  // namespace qerr

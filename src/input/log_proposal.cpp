@@ -1,0 +1,476 @@
+#include "input/log_proposal.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "core/statistics.hpp"
+#include "core/text.hpp"
+#include "input/log_columns.hpp"
+#include "input/yaml_text.hpp"
+#include "qerr/core/unit.hpp"
+
+namespace qerr {
+
+namespace {
+
+enum class ColumnRole { none, position, counts, velocity, effort, command, temperature, tip };
+
+/// Words of headers in English, German and French that say what a column is. The first row that has a word of
+/// the name decides: `target_position` is a command, `motor_current` an effort.
+struct RoleWords {
+  ColumnRole role;
+  std::string_view words;
+};
+constexpr RoleWords role_words[]{
+    // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
+    {ColumnRole::none,
+     " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
+     "err i2t ext digital ratio index valid seq quality "},
+    {ColumnRole::command,
+     " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
+     "consigne d des reference_position "},
+    {ColumnRole::velocity, " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse rpm "},
+    {ColumnRole::effort,
+     " mt effort torque tau current moment drehmoment strom couple courant force kraft load_torque "},
+    {ColumnRole::temperature, " temperature temperatures temp temperatur "},
+    {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
+    {ColumnRole::counts,
+     " counts count ticks tick raw pulses increments inkremente impulse cnt steps encodercounts "},
+    {ColumnRole::position,
+     " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
+     "encoder enc motor link reference ref truth angulaire deg rad rotation phi feedback data "
+     "laser "},
+};
+
+/// Of two positions of a joint the one nearer to the load is the reference, or that of a sensor which is no
+/// part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
+constexpr std::string_view motor_words =
+    " motor rotor drive enc encoder codeur input primary theta hall actuator ";
+constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
+constexpr std::string_view sensor_words =
+    " ref reference referenz truth true external laser tracker mocap vicon vrpn optitrack qualisys leica "
+    "faro marker "
+    "autocollimator collimator interferometer gauge ";
+
+bool has_word(std::string_view words, const std::string& word) {
+  return words.find(' ' + word + ' ') != std::string_view::npos;
+}
+
+/// Words and numbers of a name, in lower case: `actualQ_0` is actual, q, 0.
+std::vector<std::string> words_in(const std::string& name) {
+  std::vector<std::string> words;
+  char before = ' ';
+  for (const char c : name) {
+    const auto u = static_cast<unsigned char>(c);
+    const bool digit = c >= '0' && c <= '9', upper = c >= 'A' && c <= 'Z';
+    const bool letter = upper || (c >= 'a' && c <= 'z') || u >= 0x80;
+    const bool was_digit = before >= '0' && before <= '9', was_lower = before >= 'a' && before <= 'z';
+    const bool begins = before == ' ' || digit != was_digit || (upper && was_lower);
+    if (digit || letter) {
+      if (begins) words.emplace_back();
+      words.back() += static_cast<char>(upper ? c + 32 : c);
+    }
+    before = digit || letter ? c : ' ';
+  }
+  return words;
+}
+
+/// A column of the log, as far as it is understood.
+struct GuessedColumn {
+  std::size_t index = 0;
+  std::string name, unit;  // of the header
+  std::vector<std::string> words;
+  std::vector<double> values;
+  ColumnRole role = ColumnRole::none;
+  std::optional<std::size_t> joint;  // of a tip: the coordinate
+  int side = 0;                      // > 0: of the load
+
+  bool whole() const {
+    return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+  }
+  double largest() const {
+    double most = 0;
+    for (const double v : values) most = std::max(most, std::abs(v));
+    return most;
+  }
+  /// The smallest step between neighbours: that of a quantized column.
+  double smallest_step() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < values.size(); ++i)
+      if (const double step = std::abs(values[i] - values[i - 1]); step > 0) least = std::min(least, step);
+    return std::isinf(least) ? 0 : least;
+  }
+};
+
+std::vector<double> numbers_of(const std::vector<std::string>& texts) {
+  std::vector<double> numbers;
+  for (std::string text : texts) {
+    replace_decimal_comma(text);
+    if (const auto number = parse_number(text)) numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+/// A whole number of a few digits.
+int number_in(const std::string& digits) {
+  int number = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return number;
+}
+
+ColumnRole role_of(const std::vector<std::string>& words) {
+  for (const RoleWords& row : role_words)
+    for (const std::string& word : words)
+      if (has_word(row.words, word)) return row.role;
+  return ColumnRole::none;
+}
+
+/// Proposes the mapping of one log.
+class MappingGuess {
+ public:
+  MappingGuess(const LogTable& table, const Spec& spec) : table_(table), spec_(spec) {
+    const std::vector<std::string> known = log_signal_names(spec.model.chain);
+    for (std::size_t i = 0; i < table.header().size(); ++i) {
+      const ColumnMeaning& meaning = table.header()[i].meaning;
+      if (std::find(known.begin(), known.end(), meaning.signal) != known.end())
+        taken_.insert(meaning.signal);
+      else
+        add(i);
+    }
+    for (const LogSource& source : spec.log.columns) mapping_.push_back(source);
+  }
+
+  std::vector<LogSource> mapping() {
+    const bool named = std::any_of(columns_.begin(), columns_.end(), [](const GuessedColumn& c) {
+      return c.words.empty() || c.words.front() != "column";
+    });
+    named ? find_joints() : number_joints();
+    find_time();
+    const std::size_t joints = spec_.model.chain.independent.size();
+    bool measured = false;
+    for (std::size_t j = 0; j < joints; ++j) measured = take_joint(j) || measured;
+    take_tip();
+    if (!measured) return {};
+    return mapping_;
+  }
+
+ private:
+  const std::string& text(const GuessedColumn& c) const { return table_.header()[c.index].text; }
+  const IndependentJoint& joint(std::size_t j) const { return spec_.model.chain.independent[j]; }
+
+  void add(std::size_t i) {
+    const ColumnName parts = measured_name(table_.header()[i].text);
+    GuessedColumn c{i,  parts.name, parts.unit, words_in(parts.name), numbers_of(table_.first_texts(i)),
+                    {}, {},         0};
+    if (c.values.empty()) return;
+    c.role = role_of(c.words);
+    const bool angle = has_dimension(c.unit, dimension::angle);
+    if (angle && (c.role == ColumnRole::none || c.role == ColumnRole::tip)) c.role = ColumnRole::position;
+    for (const std::string& word : c.words)
+      c.side += 2 * has_word(sensor_words, word) + has_word(load_words, word) - has_word(motor_words, word);
+    columns_.push_back(std::move(c));
+  }
+
+  void add_source(const std::string& signal, const GuessedColumn& c, const std::string& unit) {
+    if (!taken_.insert(signal).second) return;
+    used_.insert(c.index);
+    // A unit that the header has, as it is understood, is not repeated.
+    mapping_.push_back({signal, text(c), unit == c.unit ? "" : unit});
+  }
+
+  /// The joint whose name a header has; the longest one, as `elbow` is also in `elbow_2`.
+  std::optional<std::size_t> named_joint(const GuessedColumn& c) const {
+    std::optional<std::size_t> found;
+    std::size_t longest = 0;
+    for (std::size_t j = 0; j < spec_.model.chain.independent.size(); ++j) {
+      const std::vector<std::string> name = words_in(joint(j).name);
+      const auto at = std::search(c.words.begin(), c.words.end(), name.begin(), name.end());
+      if (name.empty() || name.size() <= longest || at == c.words.end()) continue;
+      longest = name.size(), found = j;
+    }
+    return found;
+  }
+
+  /// Columns whose names differ by one number only, such as `actual_q_0` to `actual_q_5`, are those of the
+  /// joints in the order of the chain.
+  void find_joints() {
+    std::map<std::string, std::map<int, GuessedColumn*>> families;
+    for (GuessedColumn& c : columns_) {
+      if (c.role == ColumnRole::tip) continue;
+      const auto number = std::find_if(c.words.rbegin(), c.words.rend(), [](const std::string& w) {
+        return w[0] >= '0' && w[0] <= '9' && w.size() < 4;
+      });
+      std::string family;
+      for (auto word = c.words.rbegin(); word != c.words.rend(); ++word)
+        family += word == number ? "#" : *word + ' ';
+      families[family][number == c.words.rend() ? 0 : number_in(*number)] = &c;
+    }
+    // `tau_J[2]` is the third of its kind, and no torque of a joint called j2.
+    for (auto& [family, members] : families)
+      if (members.size() < 2 || members.begin()->first != 0)
+        for (auto& [number, column] : members) column->joint = named_joint(*column);
+    const std::size_t joints = spec_.model.chain.independent.size();
+    const bool from_zero = std::any_of(families.begin(), families.end(), [](const auto& f) {
+      return f.second.begin()->first == 0 && f.first.find('#') != std::string::npos;
+    });
+    for (auto& [family, members] : families)
+      for (auto& [number, column] : members) {
+        const bool numbered = family.find('#') != std::string::npos;
+        const int index = numbered ? number - !from_zero : 0;
+        if (!column->joint && (numbered || joints == 1) && static_cast<std::size_t>(index) < joints)
+          column->joint = static_cast<std::size_t>(index);
+      }
+  }
+
+  /// Of a table without header: the first column that rises is the time, the others are the joints in order.
+  void number_joints() {
+    std::size_t next = 0;
+    for (GuessedColumn& c : columns_) {
+      const bool rises =
+          std::is_sorted(c.values.begin(), c.values.end()) && c.values.front() < c.values.back();
+      if (next == 0 && rises && !taken_.contains("time")) {
+        add_source("time", c, time_unit_of(c));
+        continue;
+      }
+      c.role = ColumnRole::position;
+      c.joint = next++ % spec_.model.chain.independent.size();
+    }
+  }
+
+  std::string time_unit_of(const GuessedColumn& c) const {
+    if (!c.unit.empty()) return c.unit;
+    if (const std::string epoch = epoch_unit(c.values.front()); !epoch.empty()) return epoch;
+    std::vector<std::string> header;
+    for (const LogHeader& h : table_.header()) header.push_back(h.text);
+    const std::string program = program_time_unit(header);
+    return program.empty() ? unit_of_steps(c.values) : program;
+  }
+
+  /// The stamps: a column that does not decrease, called like the time, if the log has none yet.
+  void find_time() {
+    if (taken_.contains("time")) return;
+    const GuessedColumn* best = nullptr;
+    for (const GuessedColumn& c : columns_) {
+      const bool named = is_time_name(c.name);
+      const bool partly = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+        return has_word(" time timestamp stamp zeit temps sec seconds secs millis micros t duration elapsed ",
+                        w);
+      });
+      if ((!named && !partly) || c.joint || !std::is_sorted(c.values.begin(), c.values.end())) continue;
+      if (c.values.size() > 1 && c.values.front() == c.values.back()) continue;
+      if (!best || (named && !is_time_name(best->name))) best = &c;
+    }
+    if (!best && !columns_.empty() && is_clock(columns_.front())) best = &columns_.front();
+    if (best) add_source("time", *best, time_unit_of(*best));
+  }
+
+  /// Whether a column without a word for it rises in equal steps, which are no row numbers.
+  static bool is_clock(const GuessedColumn& c) {
+    if (c.values.size() < 3 || c.joint) return false;
+    const double step = c.values[1] - c.values[0];
+    for (std::size_t i = 1; i < c.values.size(); ++i)
+      if (std::abs(c.values[i] - c.values[i - 1] - step) > 1e-3 * step) return false;
+    return step > 0 && step != 1;
+  }
+
+  /// Signals of a joint. @returns whether it is measured then
+  bool take_joint(std::size_t j) {
+    std::vector<const GuessedColumn*> positions;
+    for (const GuessedColumn& c : columns_) {
+      if (c.joint != j || used_.contains(c.index)) continue;
+      if (c.role == ColumnRole::position || c.role == ColumnRole::counts) positions.push_back(&c);
+    }
+    // From the motor to the load; of two alike the coarser one is that of the encoder.
+    std::stable_sort(positions.begin(), positions.end(), [](const auto* a, const auto* b) {
+      const int x = a->side - (a->role == ColumnRole::counts), y = b->side - (b->role == ColumnRole::counts);
+      return x != y ? x < y : a->smallest_step() > b->smallest_step();
+    });
+    const std::string& name = joint(j).name;
+    const bool known = taken_.contains(name + ".counts") || taken_.contains(name + ".measured");
+    std::size_t next = 0;
+    if (!known && !positions.empty()) take_measured(name, j, *positions[next++]);
+    if (next < positions.size() && !taken_.contains(name + ".reference"))
+      add_source(name + ".reference", *positions.back(), position_unit(*positions.back(), j));
+    if (known || !positions.empty()) take_others(name, j);
+    return known || !positions.empty();
+  }
+
+  void take_measured(const std::string& name, std::size_t j, const GuessedColumn& c) {
+    const std::string unit = position_unit(c, j);
+    const bool as_counts = unit == "count";
+    add_source(name + (as_counts ? ".counts" : ".measured"), c, as_counts ? "" : unit);
+  }
+
+  /// The unit of a position: that of the header, else by its values: whole numbers are counts, angles beyond
+  /// the joint's limits in rad are degrees, lengths beyond 10 m millimetres.
+  std::string position_unit(const GuessedColumn& c, std::size_t j) const {
+    if (!c.unit.empty()) return c.unit;
+    const double most = c.largest();
+    constexpr double fewest_counts = 20;
+    const bool counts = c.whole() && most >= fewest_counts;
+    if (counts && (c.role == ColumnRole::counts || c.smallest_step() > 0)) return "count";
+    if (joint(j).prismatic()) return most > 10 ? "mm" : "m";
+    if (is_moteus()) return "rev";
+    const auto& limits = joint(j).limits;
+    const double farthest =
+        limits ? std::max(std::abs(limits->lower), std::abs(limits->upper)) : 4 * std::numbers::pi;
+    constexpr double slack = 1.1;
+    return most > slack * std::max(farthest, 1.0) ? "deg" : "rad";
+  }
+
+  /// moteus writes turns: its columns are `position`, `velocity`, and `q_current` or `fault` beside them.
+  bool is_moteus() const {
+    bool position = false, current = false;
+    for (const LogHeader& h : table_.header()) {
+      const std::vector<std::string> words = words_in(h.text);
+      position = position || (!words.empty() && words.back() == "position");
+      const std::size_t n = words.size();
+      current = current || (n > 1 && words[n - 2] == "q" && words[n - 1].starts_with("curr"));
+    }
+    return position && current;
+  }
+
+  /// Velocity, effort, command and temperature, where one column has each.
+  void take_others(const std::string& name, std::size_t j) {
+    struct Other {
+      ColumnRole role;
+      const char* signal;
+    };
+    for (const Other& o : {Other{ColumnRole::velocity, ".velocity"},
+                           {ColumnRole::effort, ".effort"},
+                           {ColumnRole::command, ".command"},
+                           {ColumnRole::temperature, ".temperature"}}) {
+      const GuessedColumn* only = nullptr;
+      std::size_t found = 0;
+      for (const GuessedColumn& c : columns_)
+        if (c.joint == j && c.role == o.role && !used_.contains(c.index) && found++ == 0) only = &c;
+      if (found != 1 || !fits(*only, o.role, j)) continue;
+      std::string unit = only->unit;
+      if (o.role == ColumnRole::command) unit = position_unit(*only, j);
+      if (o.role == ColumnRole::velocity && unit.empty() && is_moteus()) unit = "rev/s";
+      if (unit == "count") continue;
+      add_source(name + o.signal, *only, unit);
+    }
+  }
+
+  /// Whether the unit of a column is one that its signal may have. A velocity without a unit may be in
+  /// anything.
+  bool fits(const GuessedColumn& c, ColumnRole role, std::size_t j) const {
+    const bool prismatic = joint(j).prismatic();
+    if (role == ColumnRole::velocity) {
+      const Dimension wanted = prismatic ? dimension::speed : dimension::angular_speed;
+      return has_dimension(c.unit, wanted) || (c.unit.empty() && (is_moteus() || in_si()));
+    }
+    if (role == ColumnRole::command)
+      return std::none_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+        return has_word(" velocity vel speed qd dq qdd ddq current torque tau effort moment acceleration ",
+                        w);
+      });
+    if (role == ColumnRole::temperature)
+      return c.unit.empty() || has_dimension(c.unit, dimension::temperature);
+    return c.unit.empty() || c.unit == "A" || c.unit == "mA" || c.unit == "%" ||
+           has_dimension(c.unit, prismatic ? Dimension{.newton = 1} : dimension::torque);
+  }
+
+  static bool has_dimension(const std::string& unit, const Dimension& d) {
+    std::string why;
+    const auto read = parse_unit(unit, why);
+    return read && read->dimension == d;
+  }
+
+  /// Names of ROS, UR and libfranka: their values are in SI units (REP 103, and their manuals).
+  bool in_si() const {
+    return std::any_of(columns_.begin(), columns_.end(), [](const GuessedColumn& c) {
+      return c.name.starts_with("/") || c.name.starts_with("actual_q") || c.name.starts_with("tau_J");
+    });
+  }
+
+  /// The tip: x, y, z of one tracker. A pose that a controller computes from its encoders, such as UR's
+  /// actual_TCP_pose or libfranka's O_T_EE, is no reference.
+  void take_tip() {
+    std::map<std::string, std::array<const GuessedColumn*, 3>> triples;
+    for (const GuessedColumn& c : columns_) {
+      if (used_.contains(c.index) || c.joint || c.words.empty()) continue;
+      const bool tracked = std::any_of(c.words.begin(), c.words.end(),
+                                       [](const std::string& w) { return has_word(sensor_words, w); });
+      const bool moving = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+        return has_word(" orientation rotation quat velocity speed force torque twist target ", w);
+      });
+      const std::size_t axis = std::string_view("xyz").find(c.words.back());
+      if (!tracked || moving || axis > 2) continue;
+      std::string family;
+      for (std::size_t i = 0; i + 1 < c.words.size(); ++i) family += c.words[i] + ' ';
+      triples[family][axis] = &c;
+    }
+    for (const auto& [family, triple] : triples) {
+      if (!triple[0] || !triple[1] || !triple[2]) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const GuessedColumn& c = *triple[axis];
+        const bool length = c.unit.empty() || has_dimension(c.unit, dimension::length);
+        const bool far = std::max({triple[0]->largest(), triple[1]->largest(), triple[2]->largest()}) > 10;
+        if (length)
+          add_source(std::string("tip.") + "xyz"[axis], c, c.unit.empty() ? (far ? "mm" : "m") : c.unit);
+      }
+      return;
+    }
+  }
+
+  const LogTable& table_;
+  const Spec& spec_;
+  std::vector<GuessedColumn> columns_;
+  std::set<std::string> taken_;
+  std::set<std::size_t> used_;
+  std::vector<LogSource> mapping_;
+};
+
+}  // namespace
+
+LogReading proposed_mapping(const LogTable& table, const Spec& spec) {
+  LogReading reading{spec.log.missing, MappingGuess(table, spec).mapping()};
+  if (reading.missing != MissingValues::error) return reading;
+  // Rows with a gap are left out, unless every row has one.
+  std::vector<bool> gaps;
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    const bool mapped = std::any_of(reading.columns.begin(), reading.columns.end(),
+                                    [&](const LogSource& s) { return s.column == table.header()[i].text; });
+    if (!mapped) continue;
+    const std::vector<std::string> texts = table.first_texts(i);
+    gaps.resize(std::max(gaps.size(), texts.size()), false);
+    for (std::size_t k = 0; k < texts.size(); ++k) gaps[k] = gaps[k] || is_missing(texts[k]);
+  }
+  const auto holes = std::count(gaps.begin(), gaps.end(), true);
+  if (holes > 0)
+    reading.missing =
+        holes < static_cast<std::ptrdiff_t>(gaps.size()) ? MissingValues::drop : MissingValues::hold;
+  return reading;
+}
+
+std::string mapping_text(const LogReading& reading) {
+  const auto value = [](const LogSource& s) {
+    const std::string column = flow_scalar(s.column, false);
+    return s.unit.empty() ? column : "{column: " + column + ", unit: " + s.unit + '}';
+  };
+  std::string section = "log:\n", columns, options;
+  for (const LogSource& s : reading.columns) {
+    if (s.signal == "time")
+      section += "  time: " + value(s) + '\n';
+    else
+      columns += "    " + s.signal + ": " + value(s) + '\n';
+    options += (options.empty() ? "  --column " : " \\\n  --column ") +
+               shell_word(s.signal + '=' + s.column + (s.unit.empty() ? "" : " [" + s.unit + ']'));
+  }
+  if (!columns.empty()) section += "  columns:\n" + columns;
+  if (reading.missing != MissingValues::error) {
+    const std::string missing = reading.missing == MissingValues::drop ? "drop" : "hold";
+    section += "  missing: " + missing + '\n';
+    options += " \\\n  --set log.missing=" + missing;
+  }
+  section.pop_back();
+  return "for one run:\n" + options + "\nin the spec:\n" + section;
+}
+
+}  // namespace qerr

@@ -1,0 +1,312 @@
+#include "input/table_format.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <vector>
+
+#include "core/text.hpp"
+#include "qerr/core/unit.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::size_t most_sampled = 200;  // lines that decide on a format: more cannot change it much
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string_view trimmed_view(std::string_view text) {
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+/// A line of the sample.
+struct SampleLine {
+  std::string_view text;
+  std::size_t offset = 0;
+  int number = 1;
+  bool comment = false;
+};
+
+/// The end of a record from `at` on: a line end outside of quotation marks, which open behind a separator.
+std::size_t end_of_record(std::string_view head, std::size_t at) {
+  const std::size_t line_end = std::min(head.find('\n', at), head.size());
+  bool quoted = false, starts = true;
+  std::size_t closed = head.size();  // a quotation mark behind this one is a doubled one
+  for (std::size_t i = at; i < head.size(); ++i) {
+    const char c = head[i];
+    if (c == '"' && quoted) {
+      quoted = false, closed = i;
+    } else if (c == '"' && (starts || closed + 1 == i)) {
+      quoted = true, starts = false;
+    } else if (c == '\n' && !quoted) {
+      return i;
+    } else if (!quoted) {
+      starts = c == ',' || c == ';' || c == '\t' || (starts && c == ' ');
+    }
+  }
+  return quoted ? line_end : head.size();
+}
+
+std::vector<SampleLine> lines_of(std::string_view head) {
+  std::vector<SampleLine> lines;
+  int number = 1;
+  for (std::size_t at = 0; at < head.size() && lines.size() < most_sampled;) {
+    const bool comment = head[at] == '#';
+    const std::size_t end = comment ? std::min(head.find('\n', at), head.size()) : end_of_record(head, at);
+    const std::string_view text = head.substr(at, end - at);
+    if (!trimmed_view(text).empty()) lines.push_back({text, at, number, comment});
+    number += 1 + static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+    at = end + 1;
+  }
+  // The last line of a sample may be cut off.
+  if (lines.size() > 2 && lines.size() < most_sampled && !head.ends_with('\n')) lines.pop_back();
+  return lines;
+}
+
+std::vector<std::string_view> cells_by(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  const auto separates = [&](char c) { return c == separator || (separator == ' ' && c == '\t'); };
+  if (separator == ' ') line = trimmed_view(line);
+  for (std::size_t at = 0;; ++at) {
+    while (at < line.size() && is_space(line[at]) && (separator == ' ' || !separates(line[at]))) ++at;
+    std::size_t end = at;
+    if (end < line.size() && line[end] == '"') end = std::min(line.find('"', at + 1), line.size() - 1) + 1;
+    while (end < line.size() && !separates(line[end])) ++end;
+    cells.push_back(bare_cell(line.substr(at, end - at)));
+    if (end >= line.size()) return cells;
+    at = end;
+  }
+}
+
+/// `2026-05-01T12:00:00.5Z`, `26.11.2026 17:16:42,123`, `17:16:42`.
+bool is_stamp(std::string_view text) {
+  const auto marks = std::count_if(text.begin(), text.end(),
+                                   [](char c) { return c == ':' || c == '-' || c == '/' || c == '.'; });
+  return marks >= 2 && is_decimal_digit(text.front()) && text.size() <= 40 &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return is_decimal_digit(c) ||
+                  std::string_view(":-/. ,+TZtzAPMapm").find(c) != std::string_view::npos;
+         });
+}
+
+/// What a line is by a separator and a decimal mark.
+struct LineCells {
+  std::size_t cells = 0, numbers = 0, texts = 0;
+  bool is_data() const { return numbers > 0; }
+};
+
+LineCells counted_cells(std::string_view line, char separator, char decimal) {
+  LineCells c;
+  for (const std::string_view cell : cells_by(line, separator)) {
+    ++c.cells;
+    if (cell.empty()) continue;
+    const bool number = is_numeric(cell, decimal) || is_stamp(cell);
+    ++(number ? c.numbers : c.texts);
+  }
+  return c;
+}
+
+struct Candidate {
+  char separator, decimal;
+  std::int64_t score = 0;
+  std::size_t cells = 0;
+};
+
+/// Numbers minus texts in the lines of the most frequent width.
+void rate(Candidate& c, const std::vector<SampleLine>& lines) {
+  struct Width {
+    std::size_t rows = 0;
+    std::int64_t score = 0;
+  };
+  std::map<std::size_t, Width> widths;
+  for (const SampleLine& line : lines) {
+    if (line.comment) continue;
+    const LineCells cells = counted_cells(line.text, c.separator, c.decimal);
+    if (!cells.is_data()) continue;
+    Width& w = widths[cells.cells];
+    ++w.rows;
+    w.score += static_cast<std::int64_t>(cells.numbers) - static_cast<std::int64_t>(cells.texts);
+  }
+  std::size_t rows = 0;
+  for (const auto& [width, w] : widths)
+    if (w.rows > rows) rows = w.rows, c.score = w.score, c.cells = width;
+}
+
+bool is_unit_word(std::string_view cell) {
+  if (cell.size() > 2 &&
+      ((cell.front() == '[' && cell.back() == ']') || (cell.front() == '(' && cell.back() == ')')))
+    return true;
+  std::string why;
+  return cell.empty() || cell == "-" || parse_unit(cell, why).has_value();
+}
+
+bool is_units_row(std::string_view line, char separator) {
+  const auto cells = cells_by(line, separator);
+  return std::all_of(cells.begin(), cells.end(), is_unit_word);
+}
+
+/// Finds the header among the lines, by the rows that follow it.
+void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
+  std::vector<LineCells> cells;
+  for (const SampleLine& line : lines) cells.push_back(counted_cells(line.text, f.separator, f.decimal));
+  const auto is_row = [&](std::size_t i) {
+    return i < lines.size() && !lines[i].comment && cells[i].is_data();
+  };
+  const auto fits = [&](std::size_t i) {
+    const std::size_t apart = std::max(cells[i].cells, f.cells) - std::min(cells[i].cells, f.cells);
+    return apart == 0 || (apart == 1 && f.separator != ' ') || f.separator == ' ';
+  };
+  std::size_t best = lines.size(), most_rows = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].comment || cells[i].numbers > 0 || cells[i].texts == 0 || !fits(i)) continue;
+    const bool units = !is_row(i + 1) && is_row(i + 2) && cells[i + 1].cells == cells[i].cells &&
+                       is_units_row(lines[i + 1].text, f.separator);
+    if (!units && !is_row(i + 1)) continue;
+    std::size_t rows = 0;
+    for (std::size_t k = i + 1;
+         k < lines.size() && (k == i + 1 || cells[k].numbers > 0 || !fits(k) || !is_row(k + 1)); ++k)
+      rows += is_row(k) && cells[k].cells == f.cells;
+    if (best < lines.size() && rows <= most_rows) continue;
+    best = i, most_rows = rows, f.has_units = units;
+  }
+  const auto first = static_cast<std::size_t>(
+      std::find_if(lines.begin(), lines.end(), [](const SampleLine& l) { return !l.comment; }) -
+      lines.begin());
+  if (best == lines.size()) best = first;
+  if (best == lines.size()) return;
+  const bool like_the_next = is_row(first) && is_row(first + 1) &&
+                             cells[first].numbers == cells[first + 1].numbers &&
+                             cells[first].texts == cells[first + 1].texts;
+  if (best == first && is_row(first) && (cells[first].texts == 0 || like_the_next)) {
+    f.has_header = false;
+    if (first > 0 && cells_by(lines[first - 1].text.substr(1), f.separator).size() == f.cells)
+      --best, f.has_header = f.header_is_comment = true;
+  }
+  f.header = lines[best].offset;
+  f.header_line = lines[best].number;
+  for (std::size_t i = 0; i < best; ++i) f.preamble += !lines[i].comment;
+}
+
+/// Whether a cell of a row shows the decimal mark.
+bool shows_decimals(const TableFormat& f, const std::vector<SampleLine>& lines) {
+  for (const SampleLine& line : lines)
+    if (!line.comment)
+      for (const std::string_view cell : cells_by(line.text, f.separator))
+        if (is_numeric(cell, f.decimal) && cell.find(f.decimal) != std::string_view::npos) return true;
+  return false;
+}
+
+/// Whether `"1,5"` in a table that commas separate is a number: in several rows, and none has a decimal
+/// point.
+bool has_quoted_commas(const std::vector<SampleLine>& lines) {
+  std::size_t rows = 0;
+  for (const SampleLine& line : lines) {
+    if (line.comment) continue;
+    std::size_t commas = 0;
+    for (const std::string_view cell : cells_by(line.text, ',')) {
+      if (is_numeric(cell, '.') && cell.find('.') != std::string_view::npos) return false;
+      commas += is_numeric(cell, ',') && cell.find(',') != std::string_view::npos;
+    }
+    rows += commas > 0;
+  }
+  return rows > 1;
+}
+
+}  // namespace
+
+std::string_view bare_cell(std::string_view cell) {
+  cell = trimmed_view(cell);
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+    cell = trimmed_view(cell.substr(1, cell.size() - 2));
+  return cell;
+}
+
+bool is_numeric(std::string_view text, char decimal) {
+  std::size_t i = !text.empty() && (text[0] == '-' || text[0] == '+'), digits = 0;
+  bool mark = false;
+  for (; i < text.size() && (is_decimal_digit(text[i]) || (text[i] == decimal && !mark)); ++i) {
+    mark = mark || text[i] == decimal;
+    digits += is_decimal_digit(text[i]);
+  }
+  if (digits == 0) return false;
+  if (i < text.size() && (text[i] == 'e' || text[i] == 'E')) {
+    i += 1 + (i + 1 < text.size() && (text[i + 1] == '-' || text[i + 1] == '+'));
+    if (i >= text.size()) return false;
+    while (i < text.size() && is_decimal_digit(text[i])) ++i;
+  }
+  return i == text.size();
+}
+
+bool may_be_thousands(std::string_view cell) {
+  if (cell.starts_with('-') || cell.starts_with('+')) cell.remove_prefix(1);
+  const std::size_t point = cell.find('.');
+  if (point == std::string::npos || point == 0 || point > 3 || cell[0] == '0' || cell.size() < point + 4)
+    return false;
+  const auto digits_from = [&](std::size_t at) {
+    return static_cast<std::size_t>(std::find_if_not(cell.begin() + at, cell.end(), is_decimal_digit) -
+                                    cell.begin()) -
+           at;
+  };
+  return digits_from(0) == point && digits_from(point + 1) == 3;
+}
+
+Fault ambiguous_point(const Place& place, const std::string& key, const std::string& cell) {
+  return {place, key, "a point in a table of decimal commas: of thousands, or of decimals?", quoted(cell),
+          "write all digits without it, or a decimal comma"};
+}
+
+bool replace_decimal_comma(std::string& cell) {
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string::npos || comma == 0 || cell.find('.') != std::string::npos) return false;
+  if (!is_decimal_digit(cell[comma - 1]) || comma + 1 >= cell.size() || !is_decimal_digit(cell[comma + 1]))
+    return false;
+  cell[comma] = '.';
+  return true;
+}
+
+bool remove_thousands(std::string& cell) {
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string::npos || cell.find('.') > comma) return false;
+  std::size_t group = 0;
+  for (std::size_t i = comma; i-- > 0 && (is_decimal_digit(cell[i]) || cell[i] == '.');) {
+    if ((group == 3) != (cell[i] == '.')) return false;
+    group = cell[i] == '.' ? 0 : group + 1;
+  }
+  cell[comma] = '.';
+  cell.erase(std::remove(cell.begin(), cell.begin() + static_cast<std::ptrdiff_t>(comma), '.'),
+             cell.begin() + static_cast<std::ptrdiff_t>(comma));
+  return is_numeric(cell, '.');
+}
+
+TableFormat recognize_table(std::string_view head) {
+  TableFormat f;
+  const std::vector<SampleLine> lines = lines_of(head);
+  std::array<Candidate, 8> candidates{Candidate{',', '.'}, {';', '.'}, {';', ','}, {'\t', '.'},
+                                      {'\t', ','},         {' ', '.'}, {' ', ','}, {',', ','}};
+  for (Candidate& c : candidates) rate(c, lines);
+  if (!has_quoted_commas(lines)) candidates.back().score = 0;
+  const Candidate* best = candidates.data();
+  for (const Candidate& c : candidates)
+    if (c.score > std::max<std::int64_t>(best->score, 0)) best = &c;
+  f.separator = best->separator;
+  f.decimal = best->decimal;
+  f.cells = best->cells;
+  if (best->cells == 0) {
+    // No row at all: the first line decides.
+    const auto first =
+        std::find_if(lines.begin(), lines.end(), [](const SampleLine& l) { return !l.comment; });
+    if (first == lines.end()) return f;
+    const auto marks = [&](char c) { return std::count(first->text.begin(), first->text.end(), c); };
+    for (const char c : {';', '\t'})
+      if (marks(c) > marks(f.separator)) f.separator = c;
+  }
+  f.decimal_unknown = f.separator != ',' && !shows_decimals(f, lines);
+  find_header(f, lines);
+  return f;
+}
+
+}  // namespace qerr

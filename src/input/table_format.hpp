@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+/// How a table of numbers is written.
+struct TableFormat {
+  char separator = ',';          ///< of cells; ' ' is any run of blanks and tabulators
+  char decimal = '.';            ///< mark of decimals
+  bool decimal_unknown = false;  ///< no number of the sample has decimals
+  bool has_header = true;
+  bool header_is_comment = false;  ///< `# time q1 q2`, as numpy.savetxt writes it
+  bool has_units = false;          ///< the row behind the header has the units of the columns
+  std::size_t header = 0;          ///< offset of the header's line, or of the first row
+  int header_line = 1;
+  int preamble = 0;       ///< lines before it that are neither comments nor blank
+  std::size_t cells = 0;  ///< of most rows, a trailing separator included; 0: there are no rows
+};
+
+/// Recognizes the format of a table by its beginning: separator and decimal mark are those by which its lines
+/// have most numbers in equally many cells, the header is the line of names before the longest run of such
+/// lines. Where nothing is recognized it is a table that commas separate, with the header in its first line.
+/// @param head  UTF-8; its last line may be cut off
+TableFormat recognize_table(std::string_view head);
+
+/// A cell without the blanks and quotation marks around it.
+std::string_view bare_cell(std::string_view cell);
+
+/// Whether a text is a number with this decimal mark, without regard to its size.
+bool is_numeric(std::string_view text, char decimal);
+
+/// `1.200` or `12.500 mm`: three digits behind a point, which may be that of thousands.
+bool may_be_thousands(std::string_view cell);
+
+/// Of such a number in a table of decimal commas.
+Fault ambiguous_point(const Place&, const std::string& key, const std::string& cell);
+
+/// Makes the decimal comma of `12,5` or `0,05 deg` a point. @returns false for a text that has none
+bool replace_decimal_comma(std::string& cell);
+
+/// Makes `-1.234.567,8` a plain number: points of thousands before a decimal comma.
+bool remove_thousands(std::string& cell);
+
+}  // namespace qerr

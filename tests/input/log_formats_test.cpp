@@ -1,0 +1,220 @@
+#include <cmath>
+#include <cstdio>
+
+#include "support/log_file.hpp"
+
+/// Logs as programs and spreadsheets write them: each is read as the plain table of the same numbers.
+namespace qerr::log_formats_test {
+namespace {
+
+using LogFormats = qerr::testing::LogFile;
+
+constexpr int rows = 40;
+
+/// How a table is written.
+struct Layout {
+  char separator = ',', decimal = '.';
+  bool quoted = false, trailing = false, carriage_returns = false;
+  std::string before = "";         // lines before the header
+  std::string encoding = "UTF-8";  // or UTF-8 with a byte-order mark, UTF-16LE, UTF-16BE, Windows-1252
+};
+
+std::string number(double value, int decimals, const Layout& l) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  std::string digits = text;
+  if (const std::size_t point = digits.find('.'); point != std::string::npos) digits[point] = l.decimal;
+  return l.quoted ? '"' + digits + '"' : digits;
+}
+
+std::string line(const std::vector<std::string>& cells, const Layout& l) {
+  std::string text;
+  for (const std::string& cell : cells) text += (text.empty() ? "" : std::string(1, l.separator)) + cell;
+  if (l.trailing) text += l.separator;
+  return text + (l.carriage_returns ? "\r\n" : "\n");
+}
+
+/// The bytes of an ASCII text with `°` and `é` in another encoding.
+std::string encoded(const std::string& utf8, const std::string& encoding) {
+  std::string out;
+  const bool big = encoding == "UTF-16BE", wide = big || encoding == "UTF-16LE";
+  if (encoding == "UTF-8 with a mark") out = "\xEF\xBB\xBF";
+  if (wide) out = big ? "\xFE\xFF" : "\xFF\xFE";
+  for (std::size_t i = 0; i < utf8.size(); ++i) {
+    auto c = static_cast<unsigned char>(utf8[i]);
+    if (c >= 0xC2 && !encoding.starts_with("UTF-8"))  // of two bytes: those of Latin-1
+      c = static_cast<unsigned char>((c & 3) << 6 | (static_cast<unsigned char>(utf8[++i]) & 0x3F));
+    if (wide && big) out += '\0';
+    out += static_cast<char>(c);
+    if (wide && !big) out += '\0';
+  }
+  return out;
+}
+
+std::string table(const std::vector<std::string>& header, const Layout& l) {
+  std::string text = l.before + line(header, l);
+  for (int i = 0; i < rows; ++i)
+    text += line({number(0.01 * i, 2, l), number(7 * i - 100, 0, l), number(0.125 * i - 1, 3, l)}, l);
+  return encoded(text, l.encoding);
+}
+
+const std::vector<std::string> plain_header{"time [s]", "shoulder.counts", "shoulder.reference [rad]"};
+
+TEST_F(LogFormats, EverySeparatorDecimalMarkAndEncodingIsThePlainTable) {
+  const Log plain = read(table(plain_header, {}));
+  ASSERT_EQ(plain.rows, static_cast<std::uint64_t>(rows));
+  ASSERT_TRUE(plain.warnings.empty());
+  int tried = 0;
+  for (const char separator : {',', ';', '\t', ' '})
+    for (const char decimal : {'.', ','})
+      for (const bool quoted : {false, true})
+        for (const bool trailing : {false, true})
+          for (const bool carriage_returns : {false, true})
+            for (const std::string encoding : {"UTF-8", "UTF-8 with a mark", "UTF-16LE", "UTF-16BE"})
+              for (const std::string before :
+                   {"", "# a comment, with; marks\n", "Messung vom Montag\nGeraet;7\n\n"}) {
+                if (separator == ',' && decimal == ',' && !quoted) continue;  // no reader could tell
+                if (separator == ' ' && trailing) continue;
+                Layout l{separator, decimal, quoted, trailing, carriage_returns, before, encoding};
+                std::vector<std::string> header = plain_header;
+                if (separator == ' ') header = {"time_s", "shoulder.counts", "shoulder.reference_rad"};
+                const Log log = read(table(header, l));
+                const std::string what = std::string(1, separator) + decimal + encoding + before +
+                                         (quoted ? "q" : "") + (trailing ? "t" : "");
+                ASSERT_EQ(log.rows, plain.rows) << what;
+                ASSERT_TRUE((log.values == plain.values).all()) << what;
+                ASSERT_EQ(log.columns[2].text.most_decimals, 3) << what;
+                const bool said = separator != ',' || decimal == ',' || encoding.starts_with("UTF-16") ||
+                                  before.starts_with('M');
+                ASSERT_EQ(log.warnings.empty(), !said) << what;
+                ++tried;
+              }
+  EXPECT_EQ(tried, 768 - 48 - 96);
+}
+
+TEST_F(LogFormats, AreReadInBlocksOfAnySize) {
+  for (const Layout& l : {Layout{';', ',', false, true, true,
+                                 "Pr\xC3\xBC"
+                                 "fung\n",
+                                 "Windows-1252"},
+                          Layout{'\t', ',', false, false, true, "", "UTF-16LE"}, Layout{' ', '.'}}) {
+    std::vector<std::string> header = plain_header;
+    if (l.separator == ' ') header = {"t_s", "shoulder.counts", "shoulder.reference_rad"};
+    const Log whole = read(table(header, l));
+    ASSERT_EQ(whole.rows, static_cast<std::uint64_t>(rows));
+    for (const std::size_t block : {1, 2, 3, 7, 64, 1000})
+      ASSERT_TRUE((reread({.block_bytes = block, .block_rows = 7}).values == whole.values).all()) << block;
+  }
+}
+
+struct Header {
+  std::string time, reference;  // cells
+  double time_unit, reference_unit;
+};
+
+TEST_F(LogFormats, UnitsInOtherWordsAreTheirUnits) {
+  const double deg = std::acos(-1.0) / 180;
+  for (const Header& h : std::vector<Header>{{"Time (ms)", "shoulder.reference (deg)", 1e-3, deg},
+                                             {"t_us", "shoulder.reference [degrees]", 1e-6, deg},
+                                             {"Zeit / s", "shoulder.reference (\xC2\xB0)", 1, deg},
+                                             {"Zeit [Sekunden]", "shoulder.reference in Grad", 1, deg},
+                                             {"temps (secondes)", "shoulder.reference_mrad", 1, 1e-3},
+                                             {"timestamp [nanoseconds]", "shoulder.reference / rad", 1e-9, 1},
+                                             {"__time", "shoulder.reference [arcseconds]", 1, deg / 3600},
+                                             {"millis", "shoulder.reference (turns)", 1e-3, 360 * deg}}) {
+    const Log log = read(table({h.time, "shoulder.counts", h.reference}, {';', '.'}));
+    const Eigen::ArrayXd time = values(log, LogSignal::time), reference = values(log, LogSignal::reference);
+    for (int i = 0; i < rows; ++i) {
+      ASSERT_NEAR(time[i], 0.01 * i * h.time_unit, 1e-15) << h.time;
+      // The reference may be whole turns from the counts.
+      const double wanted = (0.125 * i - 1) * h.reference_unit;
+      ASSERT_NEAR(std::remainder(reference[i] - wanted, 360 * deg), 0, 1e-12) << h.reference;
+    }
+  }
+}
+
+TEST_F(LogFormats, AUnitsRowBehindTheHeaderIsTheUnits) {
+  for (const std::string units : {"ms;count;deg\n", "[ms];;[deg]\n", "(ms);-;(degrees)\n"}) {
+    const Log log =
+        read("Zeit;shoulder.counts;shoulder.reference\n" + units + "0;1;0,5\n10;2;1,5\n20;3;2,5\n");
+    EXPECT_EQ(values(log, LogSignal::time)[2], 0.02) << units;
+    EXPECT_NEAR(values(log, LogSignal::reference)[1], 1.5 * std::acos(-1.0) / 180, 1e-15) << units;
+  }
+}
+
+struct Stamps {
+  std::string header, first, second;
+  double step;
+};
+
+TEST_F(LogFormats, StampsOfCalendarsAndEpochsAreSeconds) {
+  for (const Stamps& s :
+       std::vector<Stamps>{{"Zeit", "26.11.2026 17:16:42,123", "26.11.2026 17:16:42,133", 0.01},
+                           {"horodatage", "26/11/2026 23:59:59,990", "27/11/2026 00:00:00,000", 0.01},
+                           {"Timestamp", "2026-11-26T17:16:42.123+01:00", "2026-11-26T16:16:42.133Z", 0.01},
+                           {"Time", "11/26/2026 5:16:42.25 PM", "11/26/2026 5:16:42.50 PM", 0.25},
+                           {"Uhrzeit", "17:16:42,123", "17:16:43,125", 1.002},
+                           {"time", "1700000000123", "1700000000133", 0.01},
+                           {"time", "1700000000123456", "1700000000123556", 1e-4},
+                           {"time", "1700000000123456789", "1700000000123456790", 1e-9},
+                           {"stamp", "1700000000.25", "1700000000.75", 0.5},
+                           {"timestamp", "5000", "6000", 1e-3},
+                           {"timestamp", "20", "30", 0.01}}) {
+    const std::string third = s.second;
+    const Log log = read(s.header + ";shoulder.counts\n" + s.first + ";1\n" + s.second + ";2\n");
+    const Eigen::ArrayXd time = values(log, LogSignal::time);
+    EXPECT_NEAR(time[1] - time[0], s.step, 1e-12) << s.first;
+    EXPECT_FALSE(log.warnings.empty()) << s.first << ": is said";
+  }
+}
+
+TEST_F(LogFormats, APointInATableOfDecimalCommasIsAsked) {
+  const std::string head = "time [s];shoulder.counts;shoulder.reference [rad]\n";
+  EXPECT_NE(refusal(head + "0,0;1;1,5\n0,1;2;1.234\n").find("of thousands, or of decimals?"),
+            std::string::npos);
+  const Log log = read(head + "0,0;1;1,5\n0,1;2;0.125\n0,2;1.234.567,0;-1.234,5\n");
+  EXPECT_NE(refusal(head + "0,0;1.234;1,5\n0,1;2;1,25\n").find("of thousands, or of decimals?"),
+            std::string::npos);
+  EXPECT_EQ(values(log, LogSignal::counts)[2], 1234567);
+  EXPECT_EQ(values(log, LogSignal::reference)[1] - values(log, LogSignal::reference)[0], 0.125 - 1.5)
+      << "0.125 can be no thousands";
+}
+
+TEST_F(LogFormats, DecimalCommasBehindTheSampleAreRead) {
+  std::string text = "time [s];shoulder.counts;shoulder.reference [rad]\n";
+  for (int i = 0; i < 9000; ++i) text += std::to_string(i) + ';' + std::to_string(i) + ";0\n";
+  const Log log = read(text + "9000,5;7;0,25\n9001,5;7;0,5\n");
+  EXPECT_EQ(values(log, LogSignal::time)[9001], 9001.5);
+  EXPECT_EQ(values(log, LogSignal::reference)[9000], 0.25);
+}
+
+TEST_F(LogFormats, AMissingHeaderIsNumbered) {
+  spec = spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}",
+                   "log: {time: column 1, columns: {shoulder.counts: column 2, "
+                   "shoulder.reference: {column: column 3, unit: deg}}}\n");
+  const Log log = read("0.0 1 0.5\n0.1 2 1.0\n");
+  EXPECT_EQ(values(log, LogSignal::counts)[1], 2);
+  EXPECT_NEAR(values(log, LogSignal::reference)[1], std::acos(-1.0) / 180, 1e-15);
+}
+
+TEST_F(LogFormats, ACommentMayBeTheHeader) {
+  const Log log = read("# time_ms shoulder.counts shoulder.reference_deg\n0.0 1 0.5\n100.0 2 1.0\n");
+  EXPECT_EQ(values(log, LogSignal::time)[1], 0.1);
+}
+
+TEST_F(LogFormats, OtherBinariesAreNamedWithARemedy) {
+  for (const auto& [head, fragment] : std::vector<std::pair<std::string, std::string>>{
+           {"MATLAB 5.0 MAT-file, Platform: PCWIN64", "writetable"},
+           {"\x89HDF\r\n\x1A\n", "HDF5"},
+           {"PAR1", "read_parquet"},
+           {"#ROSBAG V2.0\n", "mcap convert"},
+           {"PK\x03\x04", "spreadsheet"},
+           {"\x93NUMPY", "savetxt"}}) {
+    const std::string message = refusal(head + std::string(100, 'x'));
+    EXPECT_NE(message.find("the table must be a text; "), std::string::npos) << message;
+    EXPECT_NE(message.find(fragment), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace qerr::log_formats_test
