@@ -154,7 +154,7 @@ class Loop:
         return np.array(motions), np.array(torques)
 
     def response(self):
-        for count in (1000, 4000, 16000):
+        for count in (1000, 4000, 16000, 64000, 256000):
             r = self.simulate(1.0, count)
             if r is None:
                 return None
