@@ -17,7 +17,7 @@ import tempfile
 FLOORS = {
     "core": 0, "lanes": 0,
     "encoder": 1, "kinematics": 1, "filter": 1,
-    "effect": 2,
+    "effect": 2, "control": 2,
     "bound": 3, "simulate": 3,
     "diagnose": 4, "design": 4,
     "input": 5, "report": 5,

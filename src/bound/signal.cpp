@@ -15,8 +15,8 @@ const std::vector<SignalKind>& signal_kinds() {
 
 namespace {
 
-std::vector<Signal> signals_of(const SignalKind& kind, const Chain& chain) {
-  std::vector<Signal> signals = kind.signals(chain);
+std::vector<Signal> signals_of(const SignalKind& kind, const OperationalModel& model) {
+  std::vector<Signal> signals = kind.signals(model);
   for (std::size_t i = 0; i < signals.size(); ++i) {
     signals[i].kind = &kind;
     signals[i].index = i;
@@ -26,11 +26,11 @@ std::vector<Signal> signals_of(const SignalKind& kind, const Chain& chain) {
 
 }  // namespace
 
-std::vector<Signal> find_signals(const Chain& chain, std::string_view word) {
+std::vector<Signal> find_signals(const OperationalModel& model, std::string_view word) {
   constexpr std::string_view of_joint = "joint:";
   const std::string_view bare = word.starts_with(of_joint) ? word.substr(of_joint.size()) : word;
   for (const SignalKind& kind : signal_kinds()) {
-    const std::vector<Signal> all = signals_of(kind, chain);
+    const std::vector<Signal> all = signals_of(kind, model);
     if (word == kind.group) return all;
     for (const Signal& signal : all)
       if (signal.name == word || signal.name == bare) return {signal};
@@ -38,10 +38,10 @@ std::vector<Signal> find_signals(const Chain& chain, std::string_view word) {
   return {};
 }
 
-std::vector<std::string> signal_names(const Chain& chain) {
+std::vector<std::string> signal_names(const OperationalModel& model) {
   std::vector<std::string> names;
   for (const SignalKind& kind : signal_kinds())
-    for (const Signal& signal : kind.signals(chain)) names.push_back(signal.name);
+    for (const Signal& signal : kind.signals(model)) names.push_back(signal.name);
   return names;
 }
 

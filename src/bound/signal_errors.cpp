@@ -33,7 +33,7 @@ Eigen::MatrixXd signal_rows(const OperationalModel& model, const Eigen::VectorXd
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(model.signals.size()), q.size());
   for (Eigen::Index s = 0; s < rows.rows(); ++s) {
     const Signal& signal = model.signals[static_cast<std::size_t>(s)];
-    rows.row(s) = signal.kind->row(model.chain, signal.index, q);
+    rows.row(s) = signal.kind->row(model, signal.index, q);
   }
   return rows;
 }
@@ -51,8 +51,14 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   mean_ = of_each(errors, [](const auto& e) { return e.mean; });
   const Eigen::VectorXd sigma = of_each(errors, [](const auto& e) { return e.sigma; });
   const Eigen::VectorXd joints = joint_error(model).worst_case;
+  white_ = of_each(errors, [&](const auto& e) {
+    const bool white = e.sigma_ratios.empty() ||
+                       (!requested.filters.empty() && e.sigma_ratios.front() == requested.filters.front().h2);
+    return white ? e.sigma : 0;
+  });
+  slow_ = sigma - white_;
   const auto count = static_cast<Eigen::Index>(model.signals.size());
-  for (const Signal& s : model.signals) remainder_.push_back(s.kind->remainder(model.chain, s.index, joints));
+  for (const Signal& s : model.signals) remainder_.push_back(s.kind->remainder(model, s.index, joints));
   for (std::size_t f = 0; f <= requested.filters.size(); ++f) {
     Behind& b = behind_.emplace_back();
     b.peak = b.along_motion = Eigen::VectorXd::Zero(count);
@@ -100,13 +106,49 @@ void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& column, double
   }
 }
 
+/// Half widths times ||G||_1, means times G(1); white errors times ||G||_2, and others, of which the spectrum
+/// is not known, times ||G||_1, the most that any frequency passes.
+void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, double* figures) const {
+  const Signal& s = model_.signals[signal];
+  const SignalNorms n = s.kind->norms(model_, s.index, q, moved_);
+  const auto sum = [](const Eigen::RowVectorXd& norm, const Eigen::VectorXd& size) {
+    double total = 0;
+    for (Eigen::Index e = 0; e < size.size(); ++e)
+      if (size[e] != 0) total += norm[e] * size[e];  // not inf * 0
+    return total;
+  };
+  double worst = sum(n.l1, half_width_) + std::abs(sum(n.dc, mean_));
+  double variance = sum(n.h2.cwiseAbs2(), white_.cwiseAbs2()) + sum(n.l1.cwiseAbs2(), slow_.cwiseAbs2());
+  if (model_.along_motion) {
+    const SignalMoments& joints = model_.along_motion->joints;
+    const SignalNorms by_joint =
+        s.kind->norms(model_, s.index, q, Eigen::MatrixXd::Identity(q.size(), q.size()));
+    worst += sum(by_joint.l1, joints.peak);
+    variance += std::pow(sum(by_joint.l1, joints.covariance.diagonal().cwiseSqrt()), 2);
+  }
+  const std::size_t at = model_.coordinates.size() + model_.lengths.size() + signal;
+  const auto write = [&](std::size_t block, double value) { figures[(block + at) * batch_size] = value; };
+  write(layout_.worst_case, worst);
+  write(layout_.sigma, std::sqrt(variance));
+  if (rigorous_) write(layout_.rigorous, worst + remainder_[signal]);
+  for (std::size_t f = 1; f < behind_.size(); ++f) {  // no filter passes it
+    const std::size_t filter = (f - 1) * layout_.coordinates;
+    if (own_worst_) write(layout_.filtered_worst + filter, 0);
+    if (own_sigma_) write(layout_.filtered_sigma + filter, 0);
+    if (behind_[f].in_motion.size() > 0) write(layout_.in_motion + filter, 0);
+  }
+}
+
 void SignalErrors::operator()(const double* q, double* figures) const {
   Eigen::VectorXd at(moved_.rows());
   for (std::size_t i = 0; i < batch_size; ++i) {
     for (Eigen::Index j = 0; j < at.size(); ++j) at[j] = q[static_cast<std::size_t>(j) * batch_size + i];
     const Eigen::MatrixXd columns = signal_rows(model_, at) * moved_;
     for (std::size_t s = 0; s < model_.signals.size(); ++s)
-      set(s, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
+      if (is_closed(model_.signals[s]))
+        set_closed(s, at, figures + i);
+      else
+        set(s, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
   }
 }
 

@@ -27,11 +27,14 @@ class SignalErrors {
     Eigen::VectorXd peak, along_motion;   ///< [signal]: added to the bound, and to the variance
   };
   void set(std::size_t signal, const Eigen::VectorXd& column, double* figures) const;
+  /// Of a signal with norms of its own.
+  void set_closed(std::size_t signal, const Eigen::VectorXd& q, double* figures) const;
 
   OperationalModel model_;
   FigureLayout layout_;
   Eigen::MatrixXd moved_;  // independent joints x errors
   Eigen::VectorXd half_width_, mean_;
+  Eigen::VectorXd white_, slow_;   // [error]: sigma of errors of white and of other spectra
   std::vector<double> remainder_;  // [signal]
   std::vector<Behind> behind_;
   bool rigorous_, own_worst_, own_sigma_;

@@ -41,6 +41,7 @@ constexpr std::array symbols{
     UnitSymbol{"rpm", 2 * pi / 60, dimension::angular_speed},
     UnitSymbol{"N", 1, {0, 0, 0, 1}, true},
     UnitSymbol{"Nm", 1, dimension::torque, true},
+    UnitSymbol{"g", 1e-3, {-1, 0, 2, 1}, true},
     UnitSymbol{"K", 1, dimension::temperature},
     UnitSymbol{"degC", 1, dimension::temperature},
     UnitSymbol{"%", 0.01, dimension::none},

@@ -230,7 +230,8 @@ std::string with_dots(const std::string& key) {
 }
 
 /// The mappings by joints, whose keys may be patterns.
-constexpr const char* joint_maps[] = {"encoders", "configurations.limits", "design.encoders"};
+constexpr const char* joint_maps[] = {"encoders", "configurations.limits", "control.joints",
+                                      "design.encoders"};
 
 /// The mapping by joints within which a path lies; "" for other paths.
 std::string joint_map_of(const std::string& path) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/suggest.hpp"
+#include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/unit.hpp"
@@ -148,40 +149,6 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
   return family.design(d);
 }
 
-/// The norms of a filter. Cut-off and sample rate hundreds of orders of magnitude apart exceed the range of
-/// double: a fault of the spec.
-Norms norms_of(const Filter& filter) {
-  const auto out_of_range = [&](const std::string& found) {
-    return Error(
-        {{},
-         "",
-         "the norms of the filter exceed the range of double precision",
-         found,
-         filter.designed ? "bring cut-off and sample rate closer together" : "scale its coefficients"});
-  };
-  const auto silent = [] {
-    return Error(
-        {{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
-  };
-  if (!filter.designed && filter.gain.hi == 0) throw silent();  // of a design it is an underflow
-  Norms n;
-  try {
-    n = norms(filter);
-  } catch (const Error& e) {
-    throw out_of_range(e.faults().front().found);
-  }
-  if (n.h2 == 0) throw silent();
-  if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
-    throw Error({{},
-                 "",
-                 "the l1 norm of the filter cannot be bounded: its poles are too close to the unit circle",
-                 "largest pole modulus " + shortest(poles_max_modulus(filter)),
-                 "damp the filter, or lower its order"});
-  if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
-    throw out_of_range("H2 norm " + shortest(n.h2));
-  return n;
-}
-
 /// The value in a mapping that a key of a filter design names, such as `cutoff` or `sos[2]`; null if absent.
 const Node* named(const Node& holder, const std::string& key) {
   const std::size_t bracket = key.find('[');
@@ -249,7 +216,41 @@ void warn_of_name(const std::string& path, const std::string& name, const Object
 
 }  // namespace
 
-void read_filters(const Field& f, Spec& spec, Faults& faults) {
+// Cut-off and sample rate hundreds of orders of magnitude apart exceed the range of double: a fault of the
+// spec.
+Norms checked_norms(const Filter& filter) {
+  const auto out_of_range = [&](const std::string& found) {
+    return Error(
+        {{},
+         "",
+         "the norms of the filter exceed the range of double precision",
+         found,
+         filter.designed ? "bring cut-off and sample rate closer together" : "scale its coefficients"});
+  };
+  const auto silent = [] {
+    return Error(
+        {{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
+  };
+  if (!filter.designed && filter.gain.hi == 0) throw silent();  // of a design it is an underflow
+  Norms n;
+  try {
+    n = norms(filter);
+  } catch (const Error& e) {
+    throw out_of_range(e.faults().front().found);
+  }
+  if (n.h2 == 0) throw silent();
+  if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
+    throw Error({{},
+                 "",
+                 "the l1 norm of the filter cannot be bounded: its poles are too close to the unit circle",
+                 "largest pole modulus " + shortest(poles_max_modulus(filter)),
+                 "damp the filter, or lower its order"});
+  if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
+    throw out_of_range("H2 norm " + shortest(n.h2));
+  return n;
+}
+
+void read_filters(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
   for (const auto& entry : read_map(f)) {
     const Node::Key& key = entry.first;
     const Field& field = entry.second;
@@ -262,10 +263,13 @@ void read_filters(const Field& f, Spec& spec, Faults& faults) {
       try {
         std::shared_ptr<const FamilyDesign> designed;
         const Filter filter = design(o, designed);
-        spec.filters.push_back({key.name, filter, norms_of(filter), std::move(designed)});
+        spec.filters.push_back({key.name, filter, checked_norms(filter), std::move(designed)});
       } catch (const Error& e) {
         throw placed(e, field);
       }
+      if (o.has("joints"))
+        spec.filters.back().joints = find_joints(robot, spec.model.chain, *o.text("joints"),
+                                                 o.at("joints").node->place, o.at("joints").path);
     });
   }
 }

@@ -1,10 +1,12 @@
 #include <algorithm>
 
+#include "control/figures.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/read_limits.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/core/unit.hpp"
 
 /// Reads the section `requirements` of a spec.
 namespace qerr {
@@ -40,7 +42,7 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   std::vector<std::string> known;
   for (const Coordinate c : spec.model.coordinates) known.emplace_back(info(c).name);
   for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name);
-  for (std::string& name : signal_names(spec.model.chain)) known.push_back(std::move(name));
+  for (std::string& name : signal_names(spec.model)) known.push_back(std::move(name));
   const std::optional<Coordinate> coordinate = find_coordinate(word);
   if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
     std::string listed;
@@ -52,7 +54,7 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   }
   if (coordinate && is_length(*coordinate)) add_length(*coordinate, spec.model);
   const std::vector<Signal> found =
-      coordinate ? std::vector{signal_of(*coordinate)} : find_signals(spec.model.chain, word);
+      coordinate ? std::vector{signal_of(*coordinate)} : find_signals(spec.model, word);
   if (found.size() != 1) throw Error(f.fault("no such coordinate '" + word + "'", did_you_mean(word, known)));
   if (!coordinate) add_signal(found.front(), spec.model);
   const std::vector<Signal> all = all_signals(spec.model);
@@ -65,7 +67,7 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
 /// contain dots.
 std::pair<std::string, std::string> parts_of(const std::string& before, const Words<std::ptrdiff_t>& filters,
                                              const Spec& spec) {
-  for (const std::string& name : signal_names(spec.model.chain)) {
+  for (const std::string& name : signal_names(spec.model)) {
     if (before == name) return {"position", name};
     if (before.size() > name.size() && before.ends_with('.' + name))
       if (const std::string first = before.substr(0, before.size() - name.size() - 1); find(filters, first))
@@ -74,6 +76,29 @@ std::pair<std::string, std::string> parts_of(const std::string& before, const Wo
   const std::size_t middle = before.rfind('.');
   if (middle == std::string::npos) return {"position", before};
   return {before.substr(0, middle), before.substr(middle + 1)};
+}
+
+/// `loop.JOINT.gain_margin`, `wall.NAME.stiffness`. @returns whether the quantity has this form
+bool read_control_figure(const Field& f, const Spec& spec, Requirement& r) {
+  if (!r.quantity.starts_with("loop.") && !r.quantity.starts_with("wall.") &&
+      !r.quantity.starts_with("control."))
+    return false;
+  if (find(signals_of(spec), r.quantity.substr(0, r.quantity.find('.')))) return false;  // a filter's name
+  if (!spec.model.control)
+    throw Error(f.fault("the spec has no controllers", "add 'control: {joints: {...}}' (qerr help control)"));
+  Words<Dimension> figures;
+  for (const ControlFigure& figure : control_figures(*spec.model.control, spec.model.chain))
+    figures.emplace_back(figure.name, figure.dimension);
+  pick(f, r.quantity, "figure of a loop or a wall", figures);
+  r.of_control = true;
+  return true;
+}
+
+/// @pre it is one of a loop or a wall
+Dimension dimension_of_control(const Requirement& r, const Spec& spec) {
+  for (const ControlFigure& figure : control_figures(*spec.model.control, spec.model.chain))
+    if (figure.name == r.quantity) return figure.dimension;
+  return dimension::none;
 }
 
 /// `encoder.JOINT.count_rate`. @returns whether the quantity has this form
@@ -90,15 +115,45 @@ bool read_counter(const Field& f, const Spec& spec, Requirement& r) {
   return true;
 }
 
+/// `torque.JOINT.BOUND`, where `torque.JOINT` is the filter of a joint's controller. @returns whether it is
+bool read_torque(const Spec& spec, std::ptrdiff_t filter, const std::string& end, Requirement& r) {
+  const NamedFilter& f = spec.filters[static_cast<std::size_t>(filter)];
+  if (!f.controller || find_filter_figure(end)) return false;
+  for (const Bound b : bounds_of(true))
+    if (name_of(b) == end) r.bound = b;
+  if (name_of(r.bound) != end) return false;
+  const std::vector<Signal> all = all_signals(spec.model);
+  r.filter = filter;
+  for (std::size_t s = 0; s < all.size(); ++s)
+    if (is_filtered(f, all[s])) r.signal = s;
+  return true;
+}
+
+/// A filter of joints has no figures of other coordinates, and a closed loop none behind a filter.
+void check_passed(const Field& f, const Spec& spec, const Requirement& r) {
+  const Signal signal = all_signals(spec.model)[r.signal];
+  if (r.filter < 0) return;
+  const NamedFilter& filter = spec.filters[static_cast<std::size_t>(r.filter)];
+  if (is_filtered(filter, signal)) return;
+  std::string joints;
+  for (const std::size_t j : filter.joints)
+    joints += (joints.empty() ? "" : ", ") + spec.model.chain.independent[j].name;
+  throw Error(f.fault("filter '" + filter.name + "' does not filter '" + signal.name + "'",
+                      is_closed(signal) ? "ask for " + signal.name + ".sigma, the figure of the loop itself"
+                                        : "its joints are " + joints));
+}
+
 /// The names of CSV: `position.x.worst_case`, `velocity.x.sigma`, `velocity.delay`; `x.worst_case` is an
 /// older name of the first. A filter's name may contain dots.
 void read_quantity(const Field& f, Spec& spec, Requirement& r) {
-  if (read_counter(f, spec, r)) return;
+  if (read_counter(f, spec, r) || read_control_figure(f, spec, r)) return;
   const std::size_t last = r.quantity.rfind('.');
   const std::string before = last == std::string::npos ? "" : r.quantity.substr(0, last);
   const std::string end = last == std::string::npos ? r.quantity : r.quantity.substr(last + 1);
   const Words<std::ptrdiff_t> signals = signals_of(spec);
-  if (const std::ptrdiff_t* filter = find(signals, before); filter && *filter >= 0) {
+  const std::ptrdiff_t* filter = find(signals, before);
+  if (filter && *filter >= 0 && read_torque(spec, *filter, end, r)) return;
+  if (filter && *filter >= 0) {
     Words<const FilterFigure*> figures;
     for (const FilterFigure& figure : filter_figures()) figures.emplace_back(figure.name, &figure);
     r.filter = *filter;
@@ -111,6 +166,7 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
   const auto [signal, coordinate] = parts_of(before, signals, spec);
   r.filter = pick(f, signal, "filter", signals);
   r.signal = read_signal(f, coordinate, spec);
+  check_passed(f, spec, r);
   Words<Bound> bounds;
   for (const Bound b : r.filter < 0 ? std::vector{Bound::worst_case, Bound::sigma, Bound::worst_case_rigorous}
                                     : std::vector{Bound::worst_case, Bound::sigma, Bound::sigma_in_motion,
@@ -121,19 +177,26 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
     throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
 }
 
+/// Of a signal's unit.
+Dimension dimension_of(const std::string& unit) {
+  std::string why;
+  return parse_unit(unit, why)->dimension;
+}
+
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
+  if (r.of_control) return dimension_of_control(r, spec);
   if (r.counter >= 0) return dimension::frequency;
   if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
-  const bool length = all_signals(spec.model)[r.signal].unit == "m";
-  const Dimension d = length ? dimension::length : dimension::angle;
+  const Dimension d = dimension_of(all_signals(spec.model)[r.signal].unit);
   return r.filter < 0 ? d : output_dimension(d, spec.filters[static_cast<std::size_t>(r.filter)].filter);
 }
 
-void read_statistic(const Object& o, Requirement& r) {
+void read_statistic(const Object& o, const Spec& spec, Requirement& r) {
   if (!r.limits_error()) {
     if (o.has("statistic"))
       throw Error(o.at("statistic")
-                      .fault("a figure of a filter or an encoder has no statistic", "leave the key out"));
+                      .fault("a figure of a filter, an encoder, a loop or a wall has no statistic",
+                             "leave the key out"));
     return;
   }
   if (!o.has("statistic"))
@@ -145,6 +208,10 @@ void read_statistic(const Object& o, Requirement& r) {
     throw Error(o.at("statistic")
                     .fault("the maximum of sigma_quantization is not proven",
                            "require 'max' of it, or proven_max of sigma"));
+  if (r.proven && is_closed(all_signals(spec.model)[r.signal]))
+    throw Error(o.at("statistic")
+                    .fault("the maximum of a closed loop, or of an impedance at the tip, is not proven",
+                           "require 'max' of it"));
   if (!r.proven) r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
 }
 
@@ -166,10 +233,15 @@ void read_limit(const Object& o, Spec& spec, Requirement& r) {
   const std::string_view key = r.relation();
   // A limit may be as good as none. A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly
   // one.
-  const Parameter limit{
-      .name = key, .dimension = d, .least = 0, .most = 1e300, .usual = d.metre ? 0.01 : 0.1};
+  const Parameter limit{.name = key,
+                        .dimension = d,
+                        .least = 0,
+                        .most = 1e300,
+                        .usual = d == dimension::length  ? 0.01
+                                 : d == dimension::angle ? 0.1
+                                                         : std::numeric_limits<double>::infinity()};
   r.limit = read_number(o.at(key), limit);
-  if (r.filter < 0 && r.counter < 0) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
+  if (r.filter < 0 && r.limits_error()) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
 }
 
 }  // namespace
@@ -215,7 +287,7 @@ void read_requirements(const Field& f, Spec& spec, Faults& faults) {
       r.place = item.node->place;
       r.quantity = *o.text("quantity");
       read_quantity(o.at("quantity"), spec, r);
-      read_statistic(o, r);
+      read_statistic(o, spec, r);
       read_limit(o, spec, r);
       spec.requirements.push_back(r);
     });

@@ -50,7 +50,21 @@ void add_length(Coordinate, OperationalModel&);
 /// Adds a signal that is no coordinate of the tip.
 void add_signal(const Signal&, OperationalModel&);
 void read_coordinates(const Field&, Spec&);
-void read_filters(const Field&, Spec&, Faults&);
+void read_filters(const Field&, const RobotModel&, Spec&, Faults&);
+/// The norms of a filter.
+/// @throws Error (input) without a place if they exceed the range of double, or it passes nothing
+Norms checked_norms(const Filter&);
+/// @pre filters are read
+void read_control(const Field&, const RobotModel&, Spec&);
+/// The controllers with the velocity filters of a list; null without controllers.
+std::shared_ptr<const Control> with_velocity_filters(const std::shared_ptr<const Control>&,
+                                                     const std::vector<NamedFilter>&);
+/// Designs the filters of controllers anew.
+void update_controllers(const Control&, std::vector<NamedFilter>&);
+/// @pre control is read
+void read_walls(const Field&, Spec&, Faults&);
+/// Adds the coordinates of joints that have filters or controllers of their own, and the signals of loops.
+void add_signals_of_joints(Spec&);
 /// @param field  its node is null if the section is absent; the defaults are then checked
 void read_configurations(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 void read_requirements(const Field&, Spec&, Faults&);

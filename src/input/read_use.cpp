@@ -38,7 +38,7 @@ void add_signal(const Signal& signal, OperationalModel& model) {
 void read_coordinates(const Field& f, Spec& spec) {
   std::vector<std::string> all;
   for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
-  for (std::string& name : signal_names(spec.model.chain)) all.push_back(std::move(name));
+  for (std::string& name : signal_names(spec.model)) all.push_back(std::move(name));
   std::vector<std::string> named;
   std::vector<Coordinate> lengths;
   OperationalModel& model = spec.model;
@@ -47,7 +47,7 @@ void read_coordinates(const Field& f, Spec& spec) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
     const std::vector<Signal> signals =
-        coordinate ? std::vector{signal_of(*coordinate)} : find_signals(model.chain, name);
+        coordinate ? std::vector{signal_of(*coordinate)} : find_signals(model, name);
     if (signals.empty()) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
     for (const Signal& s : signals) {
       if (contains(named, s.name)) throw Error(item.fault("duplicate coordinate", "keep one of them"));

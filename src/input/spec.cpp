@@ -1,6 +1,13 @@
 #include "qerr/input/spec.hpp"
 
+#include <algorithm>
+
 namespace qerr {
+
+bool is_filtered(const NamedFilter& f, const Signal& s) {
+  if (f.joints.empty()) return !is_closed(s);
+  return s.kind && s.kind->joints && std::find(f.joints.begin(), f.joints.end(), s.index) != f.joints.end();
+}
 
 std::vector<Filter> designed_filters(const Spec& spec) {
   std::vector<Filter> filters;

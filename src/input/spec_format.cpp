@@ -52,6 +52,12 @@ const std::vector<Parameter>& top() {
        .meaning = "in whose axes x y z rx ry rz are",
        .choices = "base|tip"},
       {.name = "filters", .kind = Kind::map, .meaning = "derivative filters by name"},
+      {.name = "control",
+       .kind = Kind::object,
+       .meaning = "the joints' controllers: what errors do to torques"},
+      {.name = "walls",
+       .kind = Kind::map,
+       .meaning = "virtual walls at the tip, by name: how stiff they may be and stay passive"},
       {.name = "configurations",
        .kind = Kind::object,
        .meaning = "configurations at which the robot is evaluated"},
@@ -166,6 +172,9 @@ const std::vector<Parameter>& filter() {
        .least = 0,
        .open_below = true},
       {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass after the backward differences"},
+      {.name = "joints",
+       .kind = Kind::text,
+       .meaning = "name or pattern of the joints whose coordinates it filters; default: all coordinates"},
       {.name = "unit",
        .kind = Kind::text,
        .meaning = "of the gain of a control law that coefficients give, output per input, such as N m/rad"},
@@ -219,7 +228,7 @@ const std::vector<Parameter>& requirement() {
        .kind = Kind::text,
        .meaning = "position.COORDINATE.BOUND or FILTER.COORDINATE.BOUND, such as velocity.x.sigma; or "
                   "FILTER.FIGURE: h2_norm, l1_norm, delay, bandwidth, settling; or "
-                  "encoder.JOINT.count_rate",
+                  "encoder.JOINT.count_rate, loop.JOINT.FIGURE, wall.NAME.stiffness",
        .required = true},
       {.name = "statistic",
        .kind = Kind::choice,
@@ -330,6 +339,76 @@ const std::vector<Parameter>& effect() {
       {.name = "joint",
        .kind = Kind::text,
        .meaning = "the joint it acts on, or a pattern such as 'left_*'",
+       .required = true},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& control() {
+  static const std::vector<Parameter> rows{
+      {.name = "sample_rate",
+       .dimension = dimension::frequency,
+       .meaning = "of the loops; default: that of the velocity filters",
+       .least = 0,
+       .open_below = true},
+      {.name = "delay",
+       .dimension = dimension::time,
+       .meaning = "from a reading to its torque, beyond the hold; default: one sample",
+       .least = 0},
+      {.name = "joints",
+       .kind = Kind::map,
+       .meaning = "controllers by joint or pattern: torque = kp (set point - q) - kd (filtered velocity)"},
+      {.name = "tip",
+       .kind = Kind::object,
+       .meaning = "or an impedance of the tip, in place of gains of joints"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& controller() {
+  static const std::vector<Parameter> rows{
+      {.name = "kp",
+       .kind = Kind::any,
+       .meaning = "stiffness, such as 400 N m/rad [N m/rad or N/m]; default: 0"},
+      {.name = "kd",
+       .kind = Kind::any,
+       .meaning = "damping, such as 5 N m s/rad [N m s/rad or N s/m]; default: 0"},
+      {.name = "velocity",
+       .kind = Kind::text,
+       .meaning = "name of the filter with derivative 1 that estimates the velocity"},
+      {.name = "inertia",
+       .kind = Kind::any,
+       .meaning = "at the joint, the motor's included [kg m^2 or kg]; default: the URDF's links, at each "
+                  "configuration"},
+      {.name = "damping", .kind = Kind::any, .meaning = "viscous [N m s/rad or N s/m]; default in a loop: 0"},
+      {.name = "friction", .kind = Kind::any, .meaning = "Coulomb friction [N m or N]; for walls"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& tip_impedance() {
+  static const std::vector<Parameter> rows{
+      {.name = "stiffness",
+       .kind = Kind::numbers,
+       .dimension = {-1, 0, 0, 1},
+       .meaning = "along x, y and z of the base, such as [2 kN/m, 2 kN/m, 1 kN/m]",
+       .required = true},
+      {.name = "damping",
+       .kind = Kind::numbers,
+       .dimension = {-1, 0, 1, 1},
+       .meaning = "along x, y and z, such as [20 N s/m, 20 N s/m, 20 N s/m]; default: 0"},
+      {.name = "velocity",
+       .kind = Kind::text,
+       .meaning = "name of the filter with derivative 1 that estimates the joints' velocities"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& wall() {
+  static const std::vector<Parameter> rows{
+      {.name = "normal",
+       .kind = Kind::numbers,
+       .meaning = "direction in the base frame, such as [0, 0, 1]",
        .required = true},
   };
   return rows;
@@ -454,7 +533,10 @@ std::optional<Dimension> dimension_of(const std::string& path) {
   else if (section == "filters")
     rows = filter();
   else if (first == last)
-    rows = section == "threshold" ? threshold() : section == "motion" ? motion() : rows;
+    rows = section == "threshold" ? threshold()
+           : section == "control" ? control()
+           : section == "motion"  ? motion()
+                                  : rows;
   for (const Parameter& row : rows)
     if (row.name == key && row.kind == Kind::number && !row.coordinate) return row.dimension;
   return std::nullopt;

@@ -28,6 +28,10 @@ const std::vector<Parameter>& joint_motion();
 const std::vector<Parameter>& sine();
 const std::vector<Parameter>& move();
 const std::vector<Parameter>& effect();  ///< without the effect's own parameters
+const std::vector<Parameter>& control();
+const std::vector<Parameter>& controller();  ///< of a joint
+const std::vector<Parameter>& tip_impedance();
+const std::vector<Parameter>& wall();
 const std::vector<Parameter>& log();
 const std::vector<Parameter>& log_column();
 const std::vector<Parameter>& sweep();

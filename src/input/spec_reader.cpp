@@ -98,7 +98,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          if (!r.faults_.any()) warn_of_stated_ratios(*r.robot_, r.spec_);
        }},
       {{"coordinates", "frame"},
-       {"requirements"},  // which may add lengths
+       {"requirements", "filters", "control", "walls"},  // which may add lengths and joints
        [](Spec& spec) {
          spec.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
          spec.model.lengths.clear();
@@ -116,7 +116,21 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
        {},
        [](Spec& spec) { spec.filters.clear(); },
        [](SpecReader& r, const Object& top) {
-         section(top, "filters", r.faults_, [&](const Field& f) { read_filters(f, r.spec_, r.faults_); });
+         section(top, "filters", r.faults_,
+                 [&](const Field& f) { read_filters(f, *r.robot_, r.spec_, r.faults_); });
+       }},
+      {{"control", "walls"},
+       {"coordinates", "frame", "filters", "requirements"},
+       [](Spec& spec) {
+         spec.model.control.reset();
+         std::erase_if(spec.filters, [](const NamedFilter& f) { return f.controller; });
+       },
+       [](SpecReader& r, const Object& top) {
+         if (!r.faults_.any())  // it refers to filters
+           section(top, "control", r.faults_, [&](const Field& f) { read_control(f, *r.robot_, r.spec_); });
+         if (!r.faults_.any())  // they refer to it
+           section(top, "walls", r.faults_, [&](const Field& f) { read_walls(f, r.spec_, r.faults_); });
+         add_signals_of_joints(r.spec_);
        }},
       {{"configurations"},
        {},
@@ -165,7 +179,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
                "sweep: is not used by this command: its figures are those of the spec's own values");
        }},
       {{"requirements"},
-       {"coordinates", "frame", "filters", "motion"},
+       {"coordinates", "frame", "filters", "control", "walls", "motion"},
        [](Spec& spec) { spec.requirements.clear(); },
        [](SpecReader& r, const Object& top) {
          r.faults_.raise();  // requirements refer to coordinates and filters
@@ -173,7 +187,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
                  [&](const Field& f) { read_requirements(f, r.spec_, r.faults_); });
        }},
       {{"design"},
-       {"encoders", "coupling", "coordinates", "filters", "requirements"},
+       {"encoders", "coupling", "coordinates", "filters", "control", "requirements"},
        [](Spec& spec) { spec.design.reset(); },
        [](SpecReader& r, const Object& top) {
          if (!top.has("design")) return;

@@ -61,6 +61,29 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
   return effort;
 }
 
+double inertia_at(const Chain& chain, std::size_t independent, const Eigen::VectorXd& q) {
+  using Eigen::Vector3d;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Vector3d w = Vector3d::Zero(), v = Vector3d::Zero(), origin = Vector3d::Zero();
+  double twice_energy = 0;
+  for (const ChainJoint& joint : chain.joints) {
+    const double s = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    pose = pose * joint.origin;
+    const Vector3d axis = pose.linear() * joint.axis;
+    if (joint.prismatic)
+      pose.translate(s * joint.axis);
+    else
+      pose.rotate(Eigen::AngleAxisd(s, joint.axis));
+    v += w.cross(pose.translation() - origin);
+    origin = pose.translation();
+    if (joint.coordinate == independent) (joint.prismatic ? v : w) += joint.multiplier * axis;
+    const Vector3d in_link = pose.linear().transpose() * w;
+    twice_energy += joint.load.mass * (v + w.cross(pose.linear() * joint.load.center)).squaredNorm() +
+                    in_link.dot(joint.load.about_center * in_link);
+  }
+  return twice_energy;
+}
+
 bool has_masses(const Chain& chain) {
   return std::any_of(chain.joints.begin(), chain.joints.end(),
                      [](const ChainJoint& joint) { return joint.load.mass > 0; });

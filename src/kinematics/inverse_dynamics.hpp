@@ -17,6 +17,10 @@ inline constexpr double standard_gravity = 9.80665;  ///< along -z of the base f
 Eigen::VectorXd inverse_dynamics(const Chain&, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
                                  const Eigen::VectorXd& acceleration);
 
+/// Inertia at the coordinate of an independent joint, all others at rest: the diagonal element of the mass
+/// matrix, twice the kinetic energy at unit velocity [kg m^2 or kg].
+double inertia_at(const Chain&, std::size_t joint, const Eigen::VectorXd& q);
+
 /// Whether any moving link of the chain has a mass.
 bool has_masses(const Chain&);
 

@@ -206,6 +206,25 @@ Json design() {
   return s;
 }
 
+Json control() {
+  Json joint = object_of(spec_format::controller());
+  for (const char* key : {"kp", "kd", "inertia", "damping", "friction"})
+    refine(joint, key, number_or_quantity());
+  Json s = object_of(spec_format::control());
+  refine(s, "joints", schema::map(joint));
+  Json tip = object_of(spec_format::tip_impedance());
+  for (const char* key : {"stiffness", "damping"})
+    tip["properties"][key]["minItems"] = tip["properties"][key]["maxItems"] = 3;
+  refine(s, "tip", tip);
+  return s;
+}
+
+Json wall() {
+  Json s = object_of(spec_format::wall());
+  s["properties"]["normal"]["minItems"] = s["properties"]["normal"]["maxItems"] = 3;
+  return s;
+}
+
 Json tool() {
   Json s = object_of(spec_format::tool());
   for (const char* key : {"xyz", "rpy"})
@@ -252,6 +271,8 @@ std::string json_schema() {
   refine(log, "time", column);
   refine(log, "columns", schema::map(column));
   refine(s, "log", log);
+  refine(s, "control", control());
+  refine(s, "walls", schema::map(wall()));
   refine(s, "sweep", schema::list(sweep()));
   refine(s, "design", design());
   root.append(s);

@@ -350,6 +350,10 @@ NAMES = {
         r"\bp95, p99 \|", r"below them are 95 % and 99 % of these",
         r"\bH2\b", r"\bl1\b", r"H\(1\)", r"velocity filter it is 0\b", r"fallen by 3 dB",
     ],
+    TOPICS["control"]: [
+        r"\bl1\b", r"\bH2\b", r"-L/\(1 \+ L\) e\b", r"-C/\(1 \+ L\) e\b", r"\bL/\(1 \+ L\)", r"\b4/pi:",
+        r"2 b/\(T \(1 \+ 2 d\)\) and 2 f/Delta\b", r"Robotics 21\(5\), 2005\)",
+    ],
     ".github/CONTRIBUTING.md": [
         r"\bH2\b",
         r"\bl1\b",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct OperationalError {
   Eigen::MatrixXd added_sigma, added_worst;
 };
 
+struct Control;  // src/control/control.hpp
+
 /// The robot, its encoders and the coordinates of interest: everything that does not depend on the
 /// configuration.
 struct OperationalModel {
@@ -42,6 +45,7 @@ struct OperationalModel {
   std::vector<Coordinate> lengths = {};
   /// Signals of other kinds, which only `workspace` has, too.
   std::vector<Signal> signals = {};
+  std::shared_ptr<const Control> control = {};  ///< the joints' controllers; null: none
 };
 
 /// The coordinates, then the lengths, then the signals of other kinds: the order of a workspace's statistics.

@@ -11,6 +11,7 @@
 
 namespace qerr {
 
+struct OperationalModel;
 struct SignalKind;
 
 /// A quantity of the robot whose error is of interest.
@@ -22,6 +23,13 @@ struct Signal {
   std::size_t index = 0;  ///< among the robot's signals of `kind`
 };
 
+/// Norms of the transfer functions from each independent error to a signal: of a row of numbers |c|, |c|, c.
+struct SignalNorms {
+  Eigen::RowVectorXd l1;  ///< sum |h_k|; infinite if unstable
+  Eigen::RowVectorXd h2;  ///< sqrt(sum h_k^2)
+  Eigen::RowVectorXd dc;  ///< sum h_k
+};
+
 /// A kind of signals beside the tip's coordinates, by its row c(q): an error dq of the independent joints
 /// changes the signal by c dq, and a displaced origin of a joint does not change it. Every bound follows from
 /// the row.
@@ -31,26 +39,35 @@ struct SignalKind {
   std::string_view group;    ///< stands for all of a robot's signals of this kind in `coordinates`
   std::string_view summary;  ///< for `qerr list coordinates`
   /// The robot's signals, without kind and index.
-  std::vector<Signal> (*signals)(const Chain&);
+  std::vector<Signal> (*signals)(const OperationalModel&);
   /// c(q), one number for each independent joint [1, m/rad or rad/m].
-  Eigen::RowVectorXd (*row)(const Chain&, std::size_t index, const Eigen::VectorXd& q);
+  Eigen::RowVectorXd (*row)(const OperationalModel&, std::size_t index, const Eigen::VectorXd& q);
   /// Largest |signal(q + dq) - signal(q) - c(q) dq| for |dq| <= `worst_case` of each joint, at any q,
   /// infinite if none is known.
-  double (*remainder)(const Chain&, std::size_t index, const Eigen::VectorXd& worst_case);
+  double (*remainder)(const OperationalModel&, std::size_t index, const Eigen::VectorXd& worst_case);
   bool constant = false;  ///< c is the same at all configurations
+  bool joints = false;    ///< signal i is the coordinate of independent joint i: filters of joints pass it
+  /// Of a signal that depends on the past of the errors, as in a closed loop: the norms of its transfer
+  /// functions at q. Its bounds follow from them, and no filter passes it. Null: c is all.
+  /// @param moved  derivative of the independent joints with respect to each error
+  SignalNorms (*norms)(const OperationalModel&, std::size_t index, const Eigen::VectorXd& q,
+                       const Eigen::MatrixXd& moved) = nullptr;
 };
 
 const std::vector<SignalKind>& signal_kinds();
 
 /// The signals that a word in `coordinates` stands for, the tip's coordinates left out: of the group, or the
 /// one of that name. Empty: none.
-std::vector<Signal> find_signals(const Chain&, std::string_view word);
+std::vector<Signal> find_signals(const OperationalModel&, std::string_view word);
 
 /// Names of all signals of the kinds that a robot has.
-std::vector<std::string> signal_names(const Chain&);
+std::vector<std::string> signal_names(const OperationalModel&);
 
 /// A coordinate of the tip, or a length, as a signal.
 Signal signal_of(Coordinate);
+
+/// Whether a signal has transfer functions of its own in place of a row.
+inline bool is_closed(const Signal& s) { return s.kind && s.kind->norms; }
 
 inline bool is_length(const Signal& s) { return s.coordinate && is_length(*s.coordinate); }
 

@@ -38,6 +38,7 @@ struct Requirement : Figure {
   std::string statistic;                       ///< as in the spec: `p99`; "" for a figure of a filter
   const FilterFigure* figure = nullptr;        ///< of `filter`; null: a bound of a coordinate
   std::ptrdiff_t counter = -1;                 ///< index of the encoder whose count rate is limited; -1: none
+  bool of_control = false;                     ///< `quantity` is a figure of a loop or of a wall
   double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`, unless `proven`
   bool proven = false;                         ///< `statistic` is the proven maximum
   bool at_least = false;                       ///< the limit is the lowest value; else the highest
@@ -49,7 +50,7 @@ struct Requirement : Figure {
   std::string name() const { return statistic.empty() ? quantity : quantity + ' ' + statistic; }
   std::string_view relation() const { return at_least ? "at_least" : "at_most"; }
   /// Whether it limits an error over the configurations.
-  bool limits_error() const { return !figure && counter < 0; }
+  bool limits_error() const { return !figure && counter < 0 && !of_control; }
   /// A value that equals the limit meets it.
   bool met_by(double value_of_it) const { return at_least ? value_of_it >= limit : value_of_it <= limit; }
 };

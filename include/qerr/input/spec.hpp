@@ -25,7 +25,14 @@ struct NamedFilter {
   Filter filter;
   Norms norms;
   std::shared_ptr<const FamilyDesign> designed = {};  ///< null: given by coefficients, or a pure difference
+  std::vector<std::size_t> joints =
+      {};                   ///< independent joints whose coordinates it passes; empty: any signal
+  bool controller = false;  ///< F of the only joint's controller: its output is a torque
 };
+
+/// Whether the filter passes the signal: the coordinate of one of its joints, or, if it has none, any that is
+/// no loop's.
+bool is_filtered(const NamedFilter&, const Signal&);
 
 /// Properties of one encoder that the bounds do not need.
 struct EncoderFigures {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,8 @@ struct ProvenResult {
   double gap = 0;  ///< that was asked for
 };
 
+struct ControlReport;  // src/report/analysis/control.hpp
+
 /// The result of `qerr analyze`: the bounds of a spec over its configurations.
 struct Analysis {
   Spec spec;  ///< its model contains the effects
@@ -63,6 +66,7 @@ struct Analysis {
                                           ///< those in the model
   std::vector<Exceedance> exceedances = {};  ///< that were asked for
   std::vector<ProvenResult> proofs = {};
+  std::shared_ptr<const ControlReport> control = {};  ///< loops and walls; null without `control`
 };
 
 /// The proof of a figure; null if there is none.

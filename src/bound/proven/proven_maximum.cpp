@@ -273,7 +273,7 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
     if (figure.bound == Bound::worst_case_rigorous) {
       const Signal signal = all_signals(model)[figure.signal];
       if (signal.kind) {
-        result.upper += signal.kind->remainder(model.chain, signal.index, joint_error(model).worst_case);
+        result.upper += signal.kind->remainder(model, signal.index, joint_error(model).worst_case);
       } else if (!is_euler_angle(*signal.coordinate)) {
         const ErrorTerms terms(model, figure.signal, false);
         const LargestRemainder r = largest_remainder(model, terms, *signal.coordinate, ranges);

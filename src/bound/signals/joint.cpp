@@ -1,13 +1,14 @@
 #include "bound/signals/signals.hpp"
+#include "qerr/bound/operational_error.hpp"
 
 namespace qerr {
 
 namespace {
 
 /// `joint:NAME` of a joint that is called like a coordinate.
-std::vector<Signal> of_joints(const Chain& chain) {
+std::vector<Signal> of_joints(const OperationalModel& model) {
   std::vector<Signal> signals;
-  for (const IndependentJoint& joint : chain.independent)
+  for (const IndependentJoint& joint : model.chain.independent)
     signals.push_back({(find_coordinate(joint.name) || joint.name == "joints" ? "joint:" : "") + joint.name,
                        joint.prismatic() ? "m" : "rad"});
   return signals;
@@ -17,16 +18,18 @@ std::vector<Signal> of_joints(const Chain& chain) {
 
 /// The coordinate of an independent joint, behind gears and coupling.
 SignalKind joint_signal() {
-  return {.group = "joints",
-          .summary = "the robot's joints; a joint's name, or joint:NAME, is one of them",
-          .signals = of_joints,
-          .row =
-              [](const Chain& chain, std::size_t index, const Eigen::VectorXd&) {
-                return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(
-                    static_cast<Eigen::Index>(chain.independent.size()), static_cast<Eigen::Index>(index)));
-              },
-          .remainder = [](const Chain&, std::size_t, const Eigen::VectorXd&) { return 0.0; },
-          .constant = true};
+  return {
+      .group = "joints",
+      .summary = "the robot's joints; a joint's name, or joint:NAME, is one of them",
+      .signals = of_joints,
+      .row =
+          [](const OperationalModel& model, std::size_t index, const Eigen::VectorXd&) {
+            return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(
+                static_cast<Eigen::Index>(model.chain.independent.size()), static_cast<Eigen::Index>(index)));
+          },
+      .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&) { return 0.0; },
+      .constant = true,
+      .joints = true};
 }
 
 }  // namespace qerr

@@ -10,6 +10,7 @@
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/per_configuration.hpp"
@@ -207,6 +208,8 @@ Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
   a.resolutions = resolutions(spec.model.transmission);
   add_effects(effects, a.spec);
   a.joints = joint_error(a.spec.model);
+  // Loops and walls take longer than the bounds of one variant of a sweep.
+  if (any_of_control(spec)) a.control = std::make_shared<const ControlReport>(control_report(a.spec));
   return a;
 }
 
@@ -222,6 +225,10 @@ Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions&
                  const ProofRequest& proofs) {
   Analysis a = analysis_without_warnings(spec, std::move(effects), options);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
+  if (spec.model.control && !a.control)
+    a.control = std::make_shared<const ControlReport>(control_report(a.spec));
+  if (a.control)
+    for (std::string& warning : control_warnings(spec, *a.control)) a.warnings.push_back(std::move(warning));
   add_proofs(a, proofs, options.threads);
   return a;
 }

@@ -54,6 +54,7 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const Signal& c = coordinates[i];
+    if (!is_filtered(a.spec.filters[f], c)) continue;
     const std::string unit = shown_unit(c.unit, a.spec.filters[f].filter);
     if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
       rows.push_back(figures(c.name + sigma_label(a), *sigma, unit));

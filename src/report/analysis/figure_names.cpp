@@ -10,6 +10,16 @@ namespace {
 
 FigureName name_of(const Spec& spec, const Signal& s, const Figure& f) {
   const NamedFilter* filter = f.filter < 0 ? nullptr : &spec.filters[static_cast<std::size_t>(f.filter)];
+  if (filter && filter->controller)
+    return {f,
+            "torque",
+            "",
+            s.name,
+            derivative_unit(s.unit, filter->filter),
+            name_of(f.bound),
+            shown_unit(s.unit, filter->filter)};
+  if (is_closed(s))  // closed_torque.a1
+    return {f, s.kind->group, "", s.name.substr(s.kind->group.size() + 1), s.unit, name_of(f.bound), s.unit};
   return {f,
           filter ? "derivative" : "position",
           filter ? filter->name : "",
@@ -29,13 +39,19 @@ FigureName name_of(const Spec& spec, const Figure& f) {
   return name_of(spec, all_signals(spec.model)[f.signal], f);
 }
 
+bool is_passed(const Spec& spec, std::ptrdiff_t filter, const Signal& s) {
+  return filter < 0 || is_filtered(spec.filters[static_cast<std::size_t>(filter)], s);
+}
+
 std::vector<FigureName> all_figures(const Spec& spec) {
   const std::vector<Signal> signals = all_signals(spec.model);
   std::vector<FigureName> figures;
   const auto add = [&](std::ptrdiff_t filter) {
     for (std::size_t s = 0; s < signals.size(); ++s)
-      for (const Bound bound : bounds_of(filter >= 0))
-        figures.push_back(name_of(spec, signals[s], {s, filter, bound}));
+      if (is_passed(spec, filter, signals[s]))
+        for (const Bound bound : bounds_of(filter >= 0))
+          if (bound != Bound::worst_case_rigorous || !is_closed(signals[s]))  // a loop is linear as it is
+            figures.push_back(name_of(spec, signals[s], {s, filter, bound}));
   };
   for (std::ptrdiff_t f = -1; f < std::ssize(spec.filters); ++f) add(f);
   return figures;

@@ -12,8 +12,8 @@ namespace qerr {
 /// What a figure of an analysis belongs to: the columns of its rows in CSV.
 struct FigureName {
   Figure figure;
-  std::string_view signal;  ///< `position` or `derivative`
-  std::string filter;       ///< "" of the position
+  std::string_view signal;  ///< `position` or `derivative`, `torque`, `closed_position`, ...
+  std::string filter;       ///< "" of the position, and of signals of controllers and loops
   std::string coordinate;
   std::string unit;
   std::string_view bound;
@@ -28,6 +28,9 @@ struct FigureName {
 std::vector<FigureName> all_figures(const Spec&);
 
 FigureName name_of(const Spec&, const Figure&);
+
+/// Whether the figures of a signal behind a filter (-1: none) exist.
+bool is_passed(const Spec&, std::ptrdiff_t filter, const Signal&);
 
 /// Calls `see` with every figure that the analysis has.
 void for_each_figure(const Analysis&, const std::function<void(const FigureName&, const Statistic&)>& see);

@@ -2,6 +2,7 @@
 
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/ellipsoids.hpp"
@@ -45,6 +46,21 @@ std::optional<ReportedProof> proof(const ReportedStatistic& s) {
 
 Signal signal(const Position& p) { return all_signals(p.whole.spec.model)[p.i]; }
 Signal signal(const Derivative& d) { return all_signals(d.whole.whole.spec.model)[d.i]; }
+
+/// `closed_torque` of a signal of closed loops.
+std::string loop_of(const Signal& s) { return is_closed(s) ? std::string(s.kind->group) : ""; }
+
+std::string coordinate_of(const Signal& s) {
+  return is_closed(s) ? s.name.substr(s.kind->group.size() + 1) : s.name;
+}
+
+/// The signals that the filter passes.
+std::vector<Derivative> passed(const FilteredTip& f) {
+  std::vector<Derivative> all;
+  for (const Derivative& d : items_of(f.whole.workspace.derivatives[f.i], f))
+    if (is_filtered(*f, signal(d))) all.push_back(d);
+  return all;
+}
 
 auto share(Eigen::VectorXd CoordinateStatistics::*shares) {
   return [shares](const Position& p) {
@@ -95,6 +111,34 @@ std::optional<std::optional<double>> rate(const AnalyzedJoint& j) {
 std::optional<double> most_rate(const AnalyzedJoint& j) {
   const std::optional<CountLimit> limit = count_limit(j.whole.spec, j.i);
   return limit ? std::optional(limit->rate) : std::nullopt;
+}
+
+using ReportedLoop = In<LoopReport, Analysis>;
+using ReportedWall = In<WallReport, Analysis>;
+using ReportedGain = In<GainReport, Analysis>;
+
+std::string joint_name(const Analysis& a, std::size_t joint) {
+  return a.spec.model.chain.independent[joint].name;
+}
+
+/// A figure of a stable loop.
+template <class Member>
+auto of_margins(Member LoopMargins::*member) {
+  return [member](const ReportedLoop& l) {
+    return l->stable ? std::optional<double>(l->margins.*member) : std::nullopt;
+  };
+}
+
+struct ReportedControl {
+  std::vector<ReportedLoop> loops;
+  std::vector<ReportedWall> walls;
+  std::vector<ReportedGain> gains;
+};
+
+std::optional<ReportedControl> control(const Analysis& a) {
+  if (!a.control) return std::nullopt;
+  return ReportedControl{items_of(a.control->loops, a), items_of(a.control->walls, a),
+                         items_of(a.control->gains, a)};
 }
 
 using ReportedEffect = In<EffectShare, Analysis>;
@@ -163,7 +207,9 @@ RowsOf<Position> rows(Of<Position>) {
     return only_if(std::isfinite(p->worst_case_rigorous.min), p->worst_case_rigorous);
   };
   return {
-      {"coordinate", [](auto& p) { return signal(p).name; }},
+      {"coordinate", [](auto& p) { return coordinate_of(signal(p)); }},
+      {"signal", [](auto& p) { return only_if(is_closed(signal(p)), loop_of(signal(p))); },
+       "of a closed loop: closed_position or closed_torque", optional},
       {"unit", [](auto& p) { return signal(p).unit; }},
       {"worst_case", statistic(&Statistics::worst_case, Bound::worst_case), "of the linearized kinematics"},
       {"worst_case_rigorous", statistic(rigorous, Bound::worst_case_rigorous),
@@ -190,9 +236,70 @@ RowsOf<FilteredTip> rows(Of<FilteredTip>) {
           {"derivative", [](auto& f) { return f->filter.derivative; }},
           {"h2_norm", [](auto& f) { return f->norms.h2; }},
           {"l1_norm", [](auto& f) { return f->norms.l1; }},
-          {"coordinates", within([](auto& f) { return f.whole.workspace.derivatives[f.i]; })},
+          {"signal", [](auto& f) { return only_if(f->controller, std::string("torque")); },
+           "of a joint's controller", optional},
+          {"coordinates", passed},
           {"covariance", covariance_behind},
           {"noise_in_motion_over_ipqn", noise_over_ipqn, named_numbers_or_null(), "per encoder", optional}};
+}
+
+RowsOf<LimitCycle> rows(Of<LimitCycle>) {
+  return {{"bound", &LimitCycle::bound, "proven: no lasting motion due to quantization is larger [rad or m]"},
+          {"torque_bound", &LimitCycle::torque_bound, "likewise, of the torque [N m or N]"},
+          {"on_count", &LimitCycle::on_count, "one about a count is predicted"},
+          {"on_edge", &LimitCycle::on_edge, "one about the edge between two counts is predicted"},
+          {"edge_amplitude", &LimitCycle::edge_amplitude, "of the motion predicted there [rad or m]"},
+          {"frequency", &LimitCycle::frequency, "predicted [Hz]"},
+          {"torque_step", &LimitCycle::torque_step, "largest torque that follows one count [N m or N]"}};
+}
+
+RowsOf<ReportedLoop> rows(Of<ReportedLoop>) {
+  return {
+      {"joint", [](auto& l) { return joint_name(l.whole, l->joint); }},
+      {"stable", &LoopReport::stable, "at all inertias"},
+      {"inertia",
+       [](auto& l) {
+         return Interval{l->least_inertia, l->largest_inertia};
+       },
+       "over the configurations [kg m^2 or kg]"},
+      {"gain_margin", [](auto& l) { return l->margins.gain; },
+       "least factor at which the loop is unstable, null: none; of an unstable loop below which it is not",
+       nullable},
+      {"lower_gain_margin", of_margins(&LoopMargins::lower_gain), "largest factor below 1, 0: none",
+       nullable},
+      {"phase_margin", of_margins(&LoopMargins::phase), "rad; null: the gain is never 1", nullable},
+      {"crossover", of_margins(&LoopMargins::crossover), "Hz", nullable},
+      {"bandwidth", of_margins(&LoopMargins::bandwidth), "Hz, of the closed loop", nullable},
+      {"absolutely_stable", [](auto& l) { return l->margins.absolutely_stable; },
+       "no oscillation between counts exists (Tsypkin)"},
+      {"limit_cycle", [](auto& l) { return only_if(l->stable, l->cycle); }, "of a stable loop", optional}};
+}
+
+RowsOf<ReportedWall> rows(Of<ReportedWall>) {
+  return {
+      {"wall", [](auto& w) { return w->name; }},
+      {"stiffness", [](auto& w) { return w->limit.stiffness(); }, "least that stays passive [N/m]", nullable},
+      {"decided_by", [](auto& w) { return w->limit.by_quantization() ? "quantization" : "sampling"; },
+       one_of({"quantization", "sampling"})},
+      {"joint", [](auto& w) { return joint_name(w.whole, w->limit.joint()); },
+       "whose friction or damping decides"},
+      {"limit_of_rate", [](auto& w) { return w->sampling; }, "least, with the finest encoders [N/m]",
+       nullable},
+      {"limit_of_counts", [](auto& w) { return w->quantization; }, "least, with the fastest loop [N/m]",
+       nullable},
+      {"at", [](auto& w) { return by_joint(w.whole.spec, w->at); }, "joints where it is least"}};
+}
+
+RowsOf<ReportedGain> rows(Of<ReportedGain>) {
+  return {{"joint", [](auto& g) { return joint_name(g.whole, g->joint); }},
+          {"kd_max", &GainReport::kd, "largest kd that meets it, kp as stated; 0: none [N m s/rad or N s/m]"},
+          {"quantity", &GainReport::quantity, "the requirement that limits it"}};
+}
+
+RowsOf<ReportedControl> rows(Of<ReportedControl>) {
+  return {{"loops", &ReportedControl::loops, "of joints whose inertia is known"},
+          {"walls", &ReportedControl::walls},
+          {"gains", &ReportedControl::gains, "of joints with a requirement on their torque"}};
 }
 
 RowsOf<EffectDetail> rows(Of<EffectDetail>) {
@@ -278,6 +385,7 @@ RowsOf<Analysis> rows(Of<Analysis>) {
            {"budget_parts", parts_of_budget, "of each encoder's share; beside an `accuracy`", optional},
            {"ellipsoids", within(tip_ellipsoids), "of x y z and of rx ry rz, if all three are given"},
            {"exceedances", &Analysis::exceedances, "with --above", optional},
+           {"control", control, "loops and walls of `control:`", optional},
            {"effects", within(&Analysis::effects)},
            {"warnings", &Analysis::warnings}});
 }

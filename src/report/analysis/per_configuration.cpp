@@ -32,7 +32,7 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
   for (const FigureName& name : figures_of(spec, noise)) {
     const std::string column = name.quantity() + unit_in_brackets(name.unit);
     out += ',' + csv_cell(column);
-    if (name.filter.empty()) positions += ',' + csv_cell(column.substr(name.signal.size() + 1));
+    if (name.signal == "position") positions += ',' + csv_cell(column.substr(name.signal.size() + 1));
   }
   return out + positions + ",tip.x [m],tip.y [m],tip.z [m]\r\n";  // `positions`: the names before version 2
 }
@@ -58,7 +58,7 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
         continue;  // an empty cell
       const std::string cell = csv_number(column.factor * batch.figures[column.figure * batch_size + i]);
       out += cell;
-      if (f.filter < 0) positions += ',' + cell;
+      if (name.signal == "position") positions += ',' + cell;
     }
     out += positions;
     for (const double x : forward_kinematics(spec.model.chain, q).translation().eval())

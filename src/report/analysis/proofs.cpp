@@ -19,6 +19,7 @@ std::vector<Figure> provable_figures(const Analysis& a) {
   std::vector<Figure> figures;
   for (const FigureName& name : all_figures(a.spec)) {
     const Figure& f = name.figure;
+    if (is_closed(all_signals(a.spec.model)[f.signal])) continue;  // no bound over boxes of joints is known
     if ((f.bound == Bound::worst_case || f.bound == Bound::sigma) && statistic_of(a.workspace, f))
       figures.push_back(f);
   }

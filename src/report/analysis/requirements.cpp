@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "qerr/report/write.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
@@ -194,9 +195,10 @@ std::vector<RequirementResult> requirement_results(const Analysis& a) {
   std::vector<RequirementResult> results;
   const EncoderSpeeds speeds = any_counter(a.spec) ? encoder_speeds(a.spec) : EncoderSpeeds{};
   for (const Requirement& r : a.spec.requirements) {
-    results.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))
-                      : r.proven     ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
-                                     : evaluate(r, a.workspace, filters, norms));
+    results.push_back(r.of_control     ? evaluate(r, control_value(r, a.spec, *a.control))
+                      : r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))
+                      : r.proven       ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
+                                       : evaluate(r, a.workspace, filters, norms));
     if (r.counter >= 0 && results.back().value == 0)
       throw Error({r.place, "requirements",
                    "the encoder does not move along `motion:`, which meets any limit", quoted(r.quantity),

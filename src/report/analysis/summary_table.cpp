@@ -57,12 +57,13 @@ using Rows = std::vector<std::vector<std::string>>;
 std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   const Workspace& w = a.workspace;
-  std::vector<Rows> blocks(1 + a.spec.filters.size());
+  std::vector<Rows> blocks(1 + a.spec.filters.size());  // those of filters without signals stay empty
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     blocks[0].push_back(summary_row(coordinates[i], coordinates[i].unit, &w.coordinates[i].sigma, nullptr,
                                     motion, w.coordinates[i].worst_case));
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      if (!is_filtered(a.spec.filters[f], coordinates[i])) continue;
       const DerivativeStatistics& d = w.derivatives[f][i];
       blocks[f + 1].push_back(
           summary_row(coordinates[i], shown_unit(coordinates[i].unit, a.spec.filters[f].filter),
@@ -93,16 +94,19 @@ std::string table_of_rows(const Analysis& a, const Style& style) {
   std::string out;
   if (above > tallest_header) {  // a narrow terminal: the columns are in several tables
     for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (blocks[i].empty()) continue;
       Rows rows{header};
       rows.insert(rows.end(), blocks[i].begin(), blocks[i].end());
       out += title_of(a, i, style) + fitted_table(rows, style.width, "    ");
     }
     return out;
   }
-  std::size_t at = 0;
+  std::size_t at = 0, block = 0, next = above;  // the line at which the next block begins
   for (std::size_t line = 0; at < text.size(); ++line) {
-    const std::size_t row = line - std::min(line, above), each = blocks[0].size();
-    if (line >= above && row % each == 0) out += title_of(a, row / each, style);
+    for (; line == next && block < blocks.size(); ++block) {
+      next += blocks[block].size();
+      if (!blocks[block].empty()) out += title_of(a, block, style);
+    }
     const std::size_t end = text.find('\n', at);
     out += text.substr(at, end - at + 1);
     at = end + 1;

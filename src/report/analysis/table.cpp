@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/proofs.hpp"
 #include "report/analysis/tables.hpp"
@@ -64,7 +65,8 @@ std::string to_table(const Analysis& a, const Style& style) {
     out +=
         heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);
   return out + (style.details ? detail_tables(a, style) : summary_table(a, style)) +
-         exceedance_tables(a, style) + proof_table(a, style);
+         (a.control ? control_tables(a.spec, *a.control, style) : "") + exceedance_tables(a, style) +
+         proof_table(a, style);
 }
 
 }  // namespace qerr

@@ -94,8 +94,10 @@ void add_figure(NamedFigure figure, NamedFigures& to) {
 }
 
 /// The bounds of each coordinate; nothing of one that is null, which is not known.
-void add_bounds(const std::string& signal, const ReportMember& rows, NamedFigures& to) {
-  for (const ReportMember& row : rows.items())
+void add_bounds(const std::string& of_rows, const ReportMember& rows, NamedFigures& to) {
+  for (const ReportMember& row : rows.items()) {
+    const auto own = row.find("signal");
+    const std::string signal = own ? own->text() : of_rows;
     for (const std::string bound :
          {"worst_case", "worst_case_rigorous", "sigma", "sigma_quantization", "sigma_in_motion"}) {
       const auto statistic = row.find(bound);
@@ -109,6 +111,7 @@ void add_bounds(const std::string& signal, const ReportMember& rows, NamedFigure
                     row.at("unit").text(), proven->at("upper").number_or(unbounded)},
                    to);
     }
+  }
 }
 
 /// A figure of a filter: its path in a report, and its name, which is that of requirements where they know
@@ -180,7 +183,8 @@ void read_analyze(const ReportMember& report, NamedFigures& to) {
   for (const ReportMember& filter : report.at("derivatives").items()) {
     const std::string& name = filter.at("filter").text();
     add_filter(name, filter, to);
-    add_bounds(name, filter.at("coordinates"), to);
+    const auto signal = filter.find("signal");
+    add_bounds(signal ? signal->text() : name, filter.at("coordinates"), to);
   }
   for (const auto& [encoder, share] : report.at("budget").members())
     to.shares.push_back({encoder, share.number()});

@@ -58,6 +58,10 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
   if (!more.empty()) common_.emplace_back("requirements", with_requirements(variants, more));
   base_ = variant_of({}, {});
   for (const Requirement& r : base_.requirements) {
+    if (r.of_control || (r.limits_error() && is_closed(all_signals(base_.model)[r.signal])))
+      throw Error(Fault{r.place, "requirements", "a figure of a closed loop or a wall is not chosen for",
+                        quoted(r.name()),
+                        "vary what it depends on in `sweep:`, or leave it to `qerr check`"});
     if (!r.limits_error()) continue;
     needs_motion_noise_ = needs_motion_noise_ || r.bound == Bound::sigma_in_motion;
     any_proven_ = any_proven_ || r.statistic == "proven_max";

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "control/loop.hpp"
 #include "core/text.hpp"
 #include "design/quietest_fir.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/filter/quality.hpp"
 #include "report/analysis/effects.hpp"
 
@@ -96,6 +98,21 @@ void add_ratios(const DesignProblem& problem, std::vector<ComparedFilter>& all) 
   }
 }
 
+/// Adds the norms of the controllers whose torques are limited and whose velocity the filter estimates.
+void add_torques(const Spec& spec, const std::string& velocity, ComparedFilter& c) {
+  for (const Requirement& r : spec.requirements) {
+    if (!r.limits_error() || r.filter < 0) continue;
+    const NamedFilter& f = spec.filters[static_cast<std::size_t>(r.filter)];
+    if (!f.controller) continue;
+    JointController controller = spec.model.control->joints[f.joints.front()];
+    if (controller.velocity != velocity) continue;
+    controller.velocity_filter = c.candidate.filter;
+    const Norms n = norms(controller_of(controller, spec.model.control->sample_rate));
+    c.criteria.push_back(r.bound == Bound::worst_case ? n.l1.upper : n.h2);
+    c.criteria.push_back(std::abs(n.dc_gain));
+  }
+}
+
 std::vector<ComparedFilter> candidates_of(const DesignProblem& problem, const FilterOptions& options,
                                           const std::vector<double>& limits, std::optional<std::size_t> goal,
                                           bool within_families, std::vector<std::string>& obstacles) {
@@ -133,6 +150,7 @@ std::vector<ComparedFilter> candidates_of(const DesignProblem& problem, const Fi
       if (!value) continue;
       compared.criteria.push_back(*value);
     }
+    add_torques(spec, stated.name, compared);
     all.push_back(std::move(compared));
   }
   if (needs.sigma) add_ratios(problem, all);
@@ -169,6 +187,8 @@ FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& reques
         filter.filter = c.candidate.filter;
         filter.norms = c.norms;
         filter.designed = nullptr;  // describes the filter that is replaced
+        if (const auto control = with_velocity_filters(problem.base().model.control, added.filters))
+          update_controllers(*control, added.filters);
         added.designed.push_back({filter.name,
                                   c.candidate.family,
                                   c.candidate.order,

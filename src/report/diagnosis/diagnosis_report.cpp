@@ -46,7 +46,8 @@ Log described(const Log& log) {
 DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options,
                                  bool keep_values) {
   std::vector<Filter> filters;
-  for (const NamedFilter& f : spec.filters) filters.push_back(f.filter);
+  for (const NamedFilter& f : spec.filters)
+    if (!f.controller) filters.push_back(f.filter);
   Log judged = keep_values ? log : std::move(log);
   if (!keep_values) log = described(judged);
   Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, std::move(judged), options);

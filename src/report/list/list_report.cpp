@@ -33,6 +33,15 @@ void add_quantities(std::vector<ListReport::Row>& rows) {
   rows.push_back(
       {"encoder.JOINT.count_rate",
        "counts per second along `motion:`, else at the URDF's velocity limit; without a statistic"});
+  rows.push_back({"torque.JOINT.BOUND", "torque of a controller of `control:`, the loop open"});
+  rows.push_back({"closed_torque.JOINT.BOUND", "torque in the closed loop: worst_case or sigma"});
+  rows.push_back(
+      {"closed_position.JOINT.BOUND", "true motion in the closed loop; of the tip: closed_position.x.sigma"});
+  rows.push_back(
+      {"loop.JOINT.FIGURE", "gain_margin, phase_margin, bandwidth or limit_cycle; without a statistic"});
+  rows.push_back({"wall.NAME.stiffness", "largest stiffness that stays passive; without a statistic"});
+  rows.push_back(
+      {"control.JOINT.kd_max", "largest kd that meets a requirement on the torque; without a statistic"});
 }
 
 void add_units(std::vector<ListReport::Row>& rows) {

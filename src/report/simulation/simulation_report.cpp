@@ -71,7 +71,12 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
 
 }  // namespace
 
-SimulationReport simulation_report(const Spec& spec, const SimulationOptions& options) {
+SimulationReport simulation_report(const Spec& all, const SimulationOptions& options) {
+  Spec spec = all;  // what is simulated are coordinates of the tip
+  if (const auto removed =
+          std::erase_if(spec.filters, [](const NamedFilter& f) { return !f.joints.empty(); }))
+    spec.warnings.push_back(counted(removed, "filter") +
+                            " of joints or controllers: not simulated; `analyze` has their figures");
   if (!spec.motion)
     throw Error(Fault{{spec.file, 1, 1},
                       "motion",

@@ -58,7 +58,7 @@ void SweepPage::add_figures() {
   for (const Signal& c : coordinates) add({"position." + c.name + ".worst_case max", c.unit});
   for (const NamedFilter& f : spec.filters)
     for (const Signal& c : coordinates)
-      add({f.name + '.' + c.name + ".sigma max", shown_unit(c.unit, f.filter)});
+      if (is_filtered(f, c)) add({f.name + '.' + c.name + ".sigma max", shown_unit(c.unit, f.filter)});
 }
 
 std::string SweepPage::row(const SweptVariant& v) const {

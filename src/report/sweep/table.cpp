@@ -28,7 +28,8 @@ std::vector<std::string> headers(const Spec& spec) {
   const std::vector<Signal> coordinates = all_signals(spec.model);
   for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
   for (const NamedFilter& f : spec.filters)
-    for (const Signal& c : coordinates) headers.push_back(stacked(f.name) + ' ' + c.name + " sigma max");
+    for (const Signal& c : coordinates)
+      if (is_filtered(f, c)) headers.push_back(stacked(f.name) + ' ' + c.name + " sigma max");
   return headers;
 }
 
@@ -56,6 +57,7 @@ std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
     cells.push_back(readable(a.workspace.coordinates[c].worst_case.max, coordinates[c].unit));
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t c = 0; c < coordinates.size(); ++c) {
+      if (!is_filtered(a.spec.filters[f], coordinates[c])) continue;
       const auto& sigma = a.workspace.derivatives[f][c].sigma;
       cells.push_back(sigma ? readable(sigma->max, shown_unit(coordinates[c].unit, a.spec.filters[f].filter))
                             : "-");

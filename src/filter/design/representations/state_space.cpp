@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "filter/design/families/families.hpp"
+#include "filter/design/ratio.hpp"
 #include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
@@ -14,7 +15,7 @@ using Matrix = std::vector<Vector>;
 
 constexpr int most_dc_zeros = 4;  // zeros at z = 1 that are recognized despite rounding
 constexpr std::size_t max_states = 20;
-constexpr double negligible = 1e-290;  // above the rounding of 1024 bits (1e-308), below any meant ratio
+constexpr double negligible = 1e-290;  // a pole this near to z = 1 or -1 in w is on the circle
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 /// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
@@ -48,76 +49,6 @@ TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vect
     m = std::move(next);
   }
   return h;
-}
-
-/// sum p_k z^k at z = (1 + w)/(1 - w), times (1 - w)^n, in ascending powers of w.
-Vector in_w(const Vector& p) {
-  Vector sum{p.back()}, power{1};  // Horner: sum <- sum (1 + w) + p_k (1 - w)^(n - k)
-  const auto times = [](const Vector& x, int sign) {
-    Vector r(x.size() + 1);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      r[i] += x[i];
-      r[i + 1] += sign * x[i];
-    }
-    return r;
-  };
-  for (std::size_t k = p.size() - 1; k-- > 0;) {
-    sum = times(sum, 1);
-    power = times(power, -1);
-    for (std::size_t i = 0; i < power.size(); ++i) sum[i] += p[k] * power[i];
-  }
-  return sum;
-}
-
-/// Sets coefficients to 0 that are 0 within the rounding of 1024 bits: they would add spurious roots.
-void remove_rounding(Vector& p) {
-  Binary1024 largest = 0;
-  for (const Binary1024& c : p) largest = std::max(largest, Binary1024(abs(c)));
-  for (Binary1024& c : p) {
-    if (abs(c) <= largest * negligible) c = 0;
-  }
-}
-
-/// A polynomial in w as lead w^k prod(1 - w/r): real factors and one of each conjugate pair; roots that agree
-/// to 28 digits are one multiple root.
-struct Factored {
-  Binary1024 lead;
-  std::vector<LinearFactor> factors;
-  std::vector<Complex1024> roots;
-};
-
-Factored factored(Vector p) {
-  remove_rounding(p);
-  while (p.back() == 0) p.pop_back();
-  const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
-  Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
-  std::reverse(p.begin(), p.end());
-  while (p.back() == 0) p.pop_back();
-  f.roots = roots(p);
-  for (std::size_t i = 0; i < f.roots.size(); ++i) {
-    Complex1024& r = f.roots[i];
-    for (std::size_t j = 0; j < i; ++j) {
-      if (magnitude(r - f.roots[j]) < 1e-28L * magnitude(r)) r = f.roots[j];
-    }
-    if (abs(r.im) < abs(r.re) * 1e-30) r.im = 0;
-    if (r.im >= 0) f.factors.push_back({1.0, Complex1024(-1.0) / r});
-  }
-  return f;
-}
-
-/// The largest |z| of the roots in w.
-/// @param uncertainty  of |z|
-/// @param stable  set to whether all |z| < 1 - uncertainty
-double largest_modulus(const std::vector<Complex1024>& roots_in_w, double uncertainty, bool& stable) {
-  Binary1024 largest = 0;
-  stable = true;
-  for (const Complex1024& w : roots_in_w) {
-    const Complex1024 up{1 + w.re, w.im}, down{1 - w.re, -w.im};
-    // 1 - |z|^2 = -4 Re w/|1 - w|^2
-    if (!(-4 * w.re > 2 * uncertainty * norm(down))) stable = false;
-    largest = std::max(largest, Binary1024(sqrt(Binary1024(norm(up) / norm(down)))));
-  }
-  return static_cast<double>(largest);
 }
 
 /// Solves (I - A) x = b for x by Gaussian elimination with row pivots.
@@ -219,7 +150,8 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   const double size = largest_row_sum(a);
   const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
   const TransferFunction h = transfer_function(a, input, output, through[0]);
-  const Vector below_w = in_w(h.a);
+  // Descending in z is ascending in z^-1.
+  const Vector below_w = in_w({h.a.rbegin(), h.a.rend()});
   Binary1024 scale = 0;
   for (const Binary1024& x : below_w) scale = std::max(scale, Binary1024(abs(x)));
   // The first (last) coefficient is 0 for a pole at z = 1 (-1).
@@ -230,7 +162,7 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   double modulus = largest_modulus(below.roots, 2 * half_unit * size, stable);
   if (on_circle) modulus = std::max(1.0, modulus);
   if (!stable || on_circle) throw unstable("A", modulus);
-  Vector above_w = in_w(h.b);
+  Vector above_w = in_w({h.b.rbegin(), h.b.rend()});
   if (std::all_of(above_w.begin(), above_w.end(), [](const Binary1024& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
   // A filter that blocks 0 Hz up to the rounding of C and D is taken to block it, unless that changes its
@@ -243,7 +175,6 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
     const Factored above = factored(numerator);
     filter =
         filter_from_factors(above.lead / below.lead, above.factors, below.factors, sample_rate, derivative);
-    // Descending in z is ascending in z^-1.
     if (set_deviation(filter, {h.b.rbegin(), h.b.rend()}, {h.a.rbegin(), h.a.rend()}, modulus, "A")) break;
   }
   return filter;

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bound/signals/signals.hpp"
+#include "qerr/bound/operational_error.hpp"
+
+/// What the signals of closed loops share.
+namespace qerr {
+
+/// Indices of the independent joints whose loop can be closed; none without `control`.
+std::vector<std::size_t> looped_joints(const OperationalModel&);
+
+/// One signal for each of these joints. @param torque  in N m or N, else in rad or m
+std::vector<Signal> loop_signals(const OperationalModel&, const std::string& before, bool torque);
+
+/// The coordinate of one of these joints.
+Eigen::RowVectorXd joint_row(const OperationalModel&, std::size_t index, const Eigen::VectorXd& q);
+
+/// Norms of sum_j row_j G_j(z) moved_je for each error e, G_j being the transfer function of joint j's loop:
+/// exact also where an error moves several joints.
+SignalNorms loop_norms(const OperationalModel&, const Eigen::RowVectorXd& row, const Eigen::VectorXd& q,
+                       const Eigen::MatrixXd& moved, bool torque);
+
+}  // namespace qerr

@@ -1,0 +1,310 @@
+#include "control/loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "filter/run/cascade.hpp"
+
+namespace qerr {
+
+double Control::samples_of_delay() const {
+  const double samples = delay * sample_rate;
+  return std::abs(samples - std::round(samples)) < 1e-9 ? std::round(samples) : samples;
+}
+
+ResponseSums response_sums(const Filter& f) {
+  const Norms n = norms(f);
+  const double first = impulse_response(f, 1).front();
+  return {first, n.l1.upper - std::abs(first), n.h2 * n.h2 - first * first, n.dc_gain};
+}
+
+double ResponseSums::l1(double k, double d) const {
+  return std::abs(k + d * first) + std::abs(d) * later_sum;
+}
+
+double ResponseSums::h2(double k, double d) const {
+  return std::sqrt(std::pow(k + d * first, 2) + d * d * later_squares);
+}
+
+namespace {
+
+constexpr double uncertain = 1e-12;       // of a pole's modulus: gains are doubles
+constexpr double longest_exponent = 300;  // e^-300 is 0 beside 1, and its series has 170 digits left
+
+/// e^-x by its series. @pre x <= longest_exponent
+Binary1024 decay(const Binary1024& x) {
+  Binary1024 sum = 0, term = 1;
+  for (int k = 1; k < 4000 && abs(term) > 1e-307; ++k) {
+    sum += term;
+    term *= -x / static_cast<double>(k);
+  }
+  return sum;
+}
+
+/// Position t after a unit force sets in at rest: (t - (1 - e^(-b t/M)) M/b)/b, t^2/(2 M) without damping.
+Binary1024 step_response(double inertia, double damping, const Binary1024& t) {
+  const Binary1024 x = t * damping / inertia;
+  if (x > longest_exponent) return (t - Binary1024(inertia) / damping) / damping;
+  Binary1024 sum = 0, term = 0.5;
+  for (int k = 3; k < 4000 && abs(term) > 1e-307; ++k) {
+    sum += term;
+    term *= -x / static_cast<double>(k);
+  }
+  return t * t * sum / inertia;
+}
+
+/// Real and imaginary part of p(j Omega), the latter over Omega, as polynomials in x = Omega^2.
+struct Parts {
+  PolynomialInW real, imaginary;
+};
+
+Parts on_circle(const PolynomialInW& p) {
+  Parts parts{{0}, {0}};
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    PolynomialInW& part = k % 2 == 0 ? parts.real : parts.imaginary;
+    part.resize(std::max(part.size(), k / 2 + 1));
+    part[k / 2] = k / 2 % 2 == 0 ? p[k] : -p[k];
+  }
+  return parts;
+}
+
+PolynomialInW shifted(PolynomialInW p) {
+  p.insert(p.begin(), Binary1024(0));
+  return p;
+}
+
+PolynomialInW scaled(PolynomialInW p, const Binary1024& factor) {
+  for (Binary1024& c : p) c *= factor;
+  return p;
+}
+
+PolynomialInW squared_magnitude(const Parts& p) {
+  return sum(times(p.real, p.real), shifted(times(p.imaginary, p.imaginary)));
+}
+
+/// Real part of x conj(y).
+PolynomialInW real_part(const Parts& x, const Parts& y) {
+  return sum(times(x.real, y.real), shifted(times(x.imaginary, y.imaginary)));
+}
+
+/// Imaginary part of x conj(y), over Omega.
+PolynomialInW imaginary_part(const Parts& x, const Parts& y) {
+  return sum(times(x.imaginary, y.real), scaled(times(x.real, y.imaginary), -1.0));
+}
+
+Binary1024 value(const PolynomialInW& p, const Binary1024& x) {
+  Binary1024 sum = 0;
+  for (std::size_t k = p.size(); k-- > 0;) sum = sum * x + p[k];
+  return sum;
+}
+
+/// Positive real roots, ascending.
+std::vector<Binary1024> positive_roots(PolynomialInW p) {
+  remove_rounding(p);
+  while (!p.empty() && p.back() == 0) p.pop_back();
+  const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
+  std::vector<Binary1024> positive;
+  for (const Complex1024& r : roots({p.rbegin(), std::make_reverse_iterator(start)}))
+    if (r.im == 0 && r.re > 0) positive.push_back(r.re);
+  std::sort(positive.begin(), positive.end());
+  return positive;
+}
+
+double frequency(const Binary1024& x, double sample_rate) {
+  return std::atan(std::sqrt(static_cast<double>(x))) * sample_rate / std::numbers::pi;
+}
+
+struct Critical {
+  double gain, frequency;
+};
+
+/// Where L is negative, by ascending 1/|L|.
+std::vector<Critical> critical_points(const TransferRatio& open, double sample_rate) {
+  const Parts b = on_circle(open.b), a = on_circle(open.a);
+  const PolynomialInW real = real_part(b, a), size = squared_magnitude(a);
+  std::vector<Critical> points;
+  for (const Binary1024& x : positive_roots(imaginary_part(b, a)))
+    if (const Binary1024 r = value(real, x); r < 0)
+      points.push_back({static_cast<double>(-value(size, x) / r), frequency(x, sample_rate)});
+  if (open.a.back() * open.b.back() < 0)  // z = -1
+    points.push_back({static_cast<double>(-open.a.back() / open.b.back()), 0.5 * sample_rate});
+  std::sort(points.begin(), points.end(), [](auto& x, auto& y) { return x.gain < y.gain; });
+  return points;
+}
+
+bool is_stable_with(const TransferRatio& open, double gain) {
+  return is_stable({open.b, sum(open.a, scaled(open.b, gain))}, uncertain);
+}
+
+/// The largest critical gain below 1 just below which an unstable loop is stable.
+double largest_stable_gain(const TransferRatio& open, const std::vector<Critical>& critical) {
+  for (std::size_t i = critical.size(); i-- > 0;) {
+    if (critical[i].gain > 1) continue;
+    const double below = i > 0 ? critical[i - 1].gain : 0;
+    if (is_stable_with(open, 0.5 * (critical[i].gain + below))) return critical[i].gain;
+  }
+  return 0;
+}
+
+/// @param undelayed  has the same |L|, without the factors 1 + Omega^2 of delays
+void set_phase(const TransferRatio& open, const TransferRatio& undelayed, double sample_rate,
+               LoopMargins& m) {
+  const Parts b = on_circle(open.b), a = on_circle(open.a);
+  const PolynomialInW real = real_part(b, a), imaginary = imaginary_part(b, a),
+                      above = squared_magnitude(on_circle(undelayed.b)),
+                      below = squared_magnitude(on_circle(undelayed.a));
+  for (const Binary1024& x : positive_roots(sum(above, scaled(below, -1.0)))) {
+    const Binary1024 re = value(real, x), im = value(imaginary, x) * sqrt(x), size = sqrt(re * re + im * im);
+    // 180 deg + arg L is the angle of -L.
+    const double angle =
+        std::abs(std::atan2(static_cast<double>(-im / size), static_cast<double>(-re / size)));
+    if (m.phase && *m.phase <= angle) continue;
+    m.phase = angle;
+    m.crossover = frequency(x, sample_rate);
+  }
+}
+
+std::optional<double> bandwidth_of(const TransferRatio& open, double sample_rate) {
+  TransferRatio t{open.b, sum(open.a, open.b)};
+  cancel_at_dc(t);
+  const Binary1024 dc = t.b.front() / t.a.front();
+  const auto crossings = positive_roots(sum(scaled(squared_magnitude(on_circle(t.b)), 2.0),
+                                            scaled(squared_magnitude(on_circle(t.a)), -(dc * dc))));
+  if (crossings.empty()) return std::nullopt;
+  return frequency(crossings.front(), sample_rate);
+}
+
+/// Re L > -1/2 at all frequencies: 2 Re(b conj a) + |a|^2 has no positive root, and is positive at z = -1.
+bool never_oscillates(const TransferRatio& open) {
+  const Parts b = on_circle(open.b), a = on_circle(open.a);
+  const PolynomialInW p = sum(scaled(real_part(b, a), 2.0), squared_magnitude(a));
+  return positive_roots(p).empty() && value(p, 1) > 0;
+}
+
+}  // namespace
+
+TransferRatio plant_of(double inertia, double damping, double sample_rate, double late) {
+  const Binary1024 period = Binary1024(1) / sample_rate, x = period * damping / inertia,
+                   p = x > longest_exponent ? Binary1024(0) : decay(x);
+  // (1 - q)^2 (1 - p q) times the samples of the step response; the next coefficient is 0.
+  const Binary1024 c1 = -(2 + p), c2 = 1 + 2 * p;
+  Binary1024 s[3];
+  for (int i = 0; i < 3; ++i) s[i] = step_response(inertia, damping, period * (1 + i - Binary1024(late)));
+  return ratio_of_delays({s[0], s[1] + c1 * s[0], late == 0 ? Binary1024(0) : s[2] + c1 * s[1] + c2 * s[0]},
+                         {1, -1 - p, p});
+}
+
+namespace {
+
+TransferRatio controller_ratio(const JointController& c) {
+  if (c.kd == 0) return {{c.kp}, {1}};
+  const TransferRatio h = ratio_of(c.velocity_filter);
+  return {sum(scaled(h.a, c.kp), scaled(h.b, c.kd)), h.a};
+}
+
+}  // namespace
+
+Filter controller_of(const JointController& c, double sample_rate) {
+  if (c.kd == 0) return {{}, c.kp, sample_rate, 0, {1}};
+  if (c.velocity_filter.taps.empty()) {
+    const Factored poles = poles_of(c.velocity_filter);
+    return filter_of(controller_ratio(c), sample_rate, {}, &poles);
+  }
+  Filter f = c.velocity_filter;
+  f.derivative = 0;
+  for (DoubleDouble& h : f.taps) h = h * f.gain * DoubleDouble(c.kd);
+  f.gain = 1;
+  f.taps.front() += DoubleDouble(c.kp);
+  return f;
+}
+
+TransferRatio Loop::undelayed() const { return {times(plant.b, controller.b), times(plant.a, controller.a)}; }
+
+TransferRatio Loop::open() const {
+  TransferRatio r = undelayed();
+  for (std::size_t i = 0; i < delays; ++i) r = {times(r.b, {1, -1}), times(r.a, {1, 1})};
+  return r;
+}
+
+Loop loop_of(const Control& c, std::size_t joint, double inertia) {
+  const JointController& j = c.joints[joint];
+  const double delay = c.samples_of_delay(), whole = std::floor(delay);
+  return {c.sample_rate, plant_of(inertia, j.damping.value_or(0), c.sample_rate, delay - whole),
+          controller_ratio(j), static_cast<std::size_t>(whole) + 1};
+}
+
+std::optional<ClosedLoop> closed(const Loop& loop) {
+  const TransferRatio open = loop.open();
+  const PolynomialInW below = sum(open.a, open.b);
+  if (!is_stable({open.b, below}, uncertain)) return std::nullopt;
+  const auto delays = [&](double sign) {  // 1 -+ w of each
+    return std::vector<LinearFactor>(loop.delays, {1.0, sign});
+  };
+  return ClosedLoop{filter_of({loop.undelayed().b, below}, loop.sample_rate, delays(-1)),
+                    filter_of({times(loop.controller.b, loop.plant.a), below}, loop.sample_rate, delays(1))};
+}
+
+LoopMargins margins(const Loop& loop) {
+  const TransferRatio open = loop.open();
+  LoopMargins m;
+  m.stable = is_stable_with(open, 1);
+  const std::vector<Critical> critical = critical_points(open, loop.sample_rate);
+  for (const Critical& c : critical) m.critical_gains.push_back(c.gain);
+  if (!m.stable) {
+    m.gain = largest_stable_gain(open, critical);
+    return m;
+  }
+  m.gain = std::numeric_limits<double>::infinity();
+  for (const Critical& c : critical) {
+    if (c.gain <= 1) {
+      m.lower_gain = c.gain;
+    } else if (!m.critical_frequency) {
+      m.gain = c.gain;
+      m.critical_frequency = c.frequency;
+    }
+  }
+  set_phase(open, loop.undelayed(), loop.sample_rate, m);
+  m.bandwidth = bandwidth_of(open, loop.sample_rate);
+  m.absolutely_stable = never_oscillates(open);
+  return m;
+}
+
+double describing_function(double amplitude, bool on_edge) {
+  double sum = on_edge ? 0.5 : 0;
+  for (double edge = on_edge ? 1 : 0.5; edge < amplitude; ++edge)
+    sum += std::sqrt(1 - edge * edge / (amplitude * amplitude));
+  return 4 / (std::numbers::pi * amplitude) * sum;
+}
+
+LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, double step, double count) {
+  constexpr double largest_on_count = 4 / std::numbers::pi;
+  LimitCycle c;
+  c.bound = motion * 0.5 * count;
+  c.torque_bound = torque * 0.5 * count;
+  c.torque_step = step * count;
+  c.on_count = !m.absolutely_stable && std::any_of(m.critical_gains.begin(), m.critical_gains.end(),
+                                                   [](double gain) { return gain <= largest_on_count; });
+  if (m.critical_frequency) {
+    // Below one count the edge is a relay: N = 2/(pi A).
+    c.on_edge = true;
+    c.edge_amplitude = 2 * count / (std::numbers::pi * m.gain);
+    c.frequency = *m.critical_frequency;
+  }
+  return c;
+}
+
+double largest_step(const Filter& controller) {
+  // Overshoot comes within some time constants of the slowest pole.
+  constexpr double fewest = 64, most = 1e5, time_constants = 10;
+  const double count = std::clamp(time_constants / (1 - poles_max_modulus(controller)), fewest, most);
+  double step = 0, largest = 0;
+  for (const double h : impulse_response(controller, static_cast<std::size_t>(count))) {
+    step += h;
+    largest = std::max(largest, std::abs(step));
+  }
+  return largest;
+}
+
+}  // namespace qerr

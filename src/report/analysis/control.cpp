@@ -1,0 +1,364 @@
+#include "report/analysis/control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "control/figures.hpp"
+#include "control/loop_response.hpp"
+#include "core/parallel.hpp"
+#include "core/text.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::uint64_t most_configurations = 10'000;
+constexpr double unknown_figure = std::numeric_limits<double>::quiet_NaN();
+
+Eigen::MatrixXd first_configurations(const Spec& spec) {
+  return draw(spec.configurations, 0, std::min(most_configurations, size(spec.configurations)));
+}
+
+/// Inertias from the least to the largest of a joint, in equal ratios: margins vary smoothly between them.
+std::vector<double> inertias_of(LoopReport& r, const Spec& spec, const Eigen::MatrixXd& configurations) {
+  constexpr int count = 9;
+  const Control& control = *spec.model.control;
+  r.least_inertia = std::numeric_limits<double>::infinity();
+  for (Eigen::Index c = 0; c < configurations.cols(); ++c) {
+    const double inertia = inertia_at(control, spec.model.chain, r.joint, configurations.col(c));
+    r.least_inertia = std::min(r.least_inertia, inertia);
+    r.largest_inertia = std::max(r.largest_inertia, inertia);
+    if (control.joints[r.joint].inertia) break;
+  }
+  const double ratio = r.largest_inertia / r.least_inertia;
+  constexpr double rounding = 1e-9;
+  if (!(ratio > 1 + rounding)) return {r.least_inertia};
+  std::vector<double> all;
+  for (int i = 0; i < count; ++i) all.push_back(r.least_inertia * std::pow(ratio, i / (count - 1.0)));
+  return all;
+}
+
+template <class T>
+void keep_least(std::optional<T>& kept, const std::optional<T>& other) {
+  if (!kept || (other && *other < *kept)) kept = other;
+}
+
+/// The least margins and bandwidth of both.
+void keep_least(LoopMargins& m, const LoopMargins& other) {
+  if (other.gain < m.gain) {
+    m.gain = other.gain;
+    m.critical_frequency = other.critical_frequency;
+  }
+  m.lower_gain = std::max(m.lower_gain, other.lower_gain);
+  if (other.phase && (!m.phase || *other.phase < *m.phase)) {
+    m.phase = other.phase;
+    m.crossover = other.crossover;
+  }
+  keep_least(m.bandwidth, other.bandwidth);
+  m.absolutely_stable = m.absolutely_stable && other.absolutely_stable;
+}
+
+void keep_largest(LimitCycle& c, const LimitCycle& other) {
+  c.bound = std::max(c.bound, other.bound);
+  c.torque_bound = std::max(c.torque_bound, other.torque_bound);
+  c.on_count = c.on_count || other.on_count;
+  c.on_edge = c.on_edge || other.on_edge;
+  if (other.edge_amplitude > c.edge_amplitude) {
+    c.edge_amplitude = other.edge_amplitude;
+    c.frequency = other.frequency;
+  }
+}
+
+/// ||L/(1 + L)||_1 and ||C/(1 + L)||_1.
+struct ClosedNorms {
+  double motion, torque;
+};
+
+/// @param certified  by the norms of filters, else by the recursion, which takes 1/100 of the time
+std::optional<ClosedNorms> closed_norms(const Control& control, std::size_t joint, double inertia,
+                                        bool certified) {
+  if (certified) {
+    const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, inertia));
+    if (!loop) return std::nullopt;
+    return ClosedNorms{l1_norm(loop->motion).upper, l1_norm(loop->torque).upper};
+  }
+  const LoopResponse r =
+      loop_response(control.joints[joint], inertia, control.sample_rate, control.samples_of_delay());
+  if (!r.stable) return std::nullopt;
+  return ClosedNorms{response_norms(r, &LoopResponse::motion).l1,
+                     response_norms(r, &LoopResponse::torque).l1};
+}
+
+LoopReport loop_report(const Spec& spec, std::size_t joint, const Eigen::MatrixXd& configurations) {
+  LoopReport r;
+  r.joint = joint;
+  const Control& control = *spec.model.control;
+  const auto row = static_cast<Eigen::Index>(joint);
+  const double count =
+      spec.model.transmission.coupling.row(row).cwiseAbs().dot(resolutions(spec.model.transmission));
+  const double step = largest_step(controller_of(control.joints[joint], control.sample_rate));
+  const std::vector<double> inertias = inertias_of(r, spec, configurations);
+  for (const double inertia : inertias) {
+    const LoopMargins m = margins(loop_of(control, joint, inertia));
+    const auto bounds = m.stable ? closed_norms(control, joint, inertia, inertias.size() == 1) : std::nullopt;
+    if (!bounds) {
+      r.stable = false;
+      r.unstable_inertia = inertia;
+      r.margins = m;
+      return r;
+    }
+    const LimitCycle cycle = limit_cycle(m, bounds->motion, bounds->torque, step, count);
+    if (r.stable) {
+      keep_least(r.margins, m);
+      keep_largest(r.cycle, cycle);
+    } else {
+      r.margins = m;
+      r.cycle = cycle;
+      r.stable = true;
+    }
+  }
+  return r;
+}
+
+WallReport wall_report(const Spec& spec, const Wall& wall, const Eigen::MatrixXd& configurations) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  WallReport r{wall.name, {infinity, infinity, 0, 0}, infinity, infinity, {}};
+  const Transmission& t = spec.model.transmission;
+  const Eigen::MatrixXd coupling = t.coupling.dense();
+  for (Eigen::Index c = 0; c < configurations.cols(); ++c) {
+    const Eigen::VectorXd q = configurations.col(c);
+    const WallLimit limit =
+        wall_limit(*spec.model.control, felt_by(spec.model.chain, wall, q), coupling, resolutions(t));
+    r.sampling = std::min(r.sampling, limit.sampling);
+    r.quantization = std::min(r.quantization, limit.quantization);
+    if (r.at.size() > 0 && limit.stiffness() >= r.limit.stiffness()) continue;
+    r.limit = limit;
+    r.at = q;
+  }
+  return r;
+}
+
+/// The joint whose torque a requirement limits from above, with kp and kd; empty: none, or its spectrum is
+/// not known without the errors' motion.
+std::optional<std::size_t> limited_torque(const Spec& spec, const Requirement& r) {
+  if (!r.limits_error() || r.at_least || r.filter < 0) return std::nullopt;
+  const NamedFilter& f = spec.filters[static_cast<std::size_t>(r.filter)];
+  const bool known = r.bound == Bound::worst_case ? !spec.model.along_motion
+                                                  : r.bound == Bound::sigma && spec.model.sources.empty();
+  if (!f.controller || !known || !(spec.model.control->joints[f.joints.front()].kd > 0)) return std::nullopt;
+  return f.joints.front();
+}
+
+/// The largest kd at which the torque keeps a limit; 0 if none does.
+///
+/// ||kp + kd H||_1 h + |kp + kd H(1)| |m| and ||kp + kd H||_2 sigma are convex in kd, so that below the
+/// largest one there is a single crossing.
+double largest_kd(const Spec& spec, std::size_t joint, const Requirement& r) {
+  const JointController& c = spec.model.control->joints[joint];
+  const ResponseSums sums = response_sums(c.velocity_filter);
+  const JointError error = joint_error(spec.model);
+  const auto j = static_cast<Eigen::Index>(joint);
+  const auto met = [&](double kd) {
+    const double torque = r.bound == Bound::worst_case
+                              ? sums.l1(c.kp, kd) * error.half_width[j] +
+                                    std::abs(c.kp + kd * sums.dc) * std::abs(error.mean[j])
+                              : sums.h2(c.kp, kd) * error.sigma[j];
+    return torque <= r.limit;
+  };
+  double lower = met(c.kd) ? c.kd : 0;
+  if (!met(lower)) return 0;
+  double upper = c.kd;
+  for (int i = 0; i < 1000 && met(upper); ++i) upper *= 2;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (lower + upper);
+    (met(middle) ? lower : upper) = middle;
+  }
+  return lower;
+}
+
+std::vector<GainReport> gain_reports(const Spec& spec) {
+  std::vector<GainReport> gains;
+  for (const Requirement& r : spec.requirements) {
+    const std::optional<std::size_t> joint = limited_torque(spec, r);
+    if (!joint) continue;
+    const GainReport gain{*joint, largest_kd(spec, *joint, r), r.quantity};
+    const auto known =
+        std::find_if(gains.begin(), gains.end(), [&](const GainReport& g) { return g.joint == *joint; });
+    if (known == gains.end())
+      gains.push_back(gain);
+    else if (gain.kd < known->kd)
+      *known = gain;
+  }
+  return gains;
+}
+
+}  // namespace
+
+ControlReport control_report(const Spec& spec) {
+  ControlReport report;
+  if (!spec.model.control) return report;
+  const Control& control = *spec.model.control;
+  report.gains = gain_reports(spec);
+  const Eigen::MatrixXd configurations = first_configurations(spec);
+  if (configurations.cols() == 0) return report;
+  std::vector<std::size_t> joints;
+  for (std::size_t j = 0; j < control.joints.size(); ++j)
+    if (has_loop(control, spec.model.chain, j)) joints.push_back(j);
+  report.loops.resize(joints.size());
+  parallel_for(joints.size(), 0,
+               [&](std::size_t i) { report.loops[i] = loop_report(spec, joints[i], configurations); });
+  if (!control.walls.empty() && missing_for_walls(control, spec.model.chain).empty())
+    for (const Wall& wall : control.walls) report.walls.push_back(wall_report(spec, wall, configurations));
+  return report;
+}
+
+bool any_of_control(const Spec& spec) {
+  return std::any_of(spec.requirements.begin(), spec.requirements.end(),
+                     [](const Requirement& r) { return r.of_control; });
+}
+
+double control_value(const Requirement& r, const Spec& spec, const ControlReport& report) {
+  using Kind = ControlFigure::Kind;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain)) {
+    if (f.name != r.quantity) continue;
+    if (f.kind == Kind::wall_stiffness) {
+      if (f.index < report.walls.size()) return report.walls[f.index].limit.stiffness();
+      throw Error(
+          {r.place, "requirements", "the stiffness of a wall needs damping and friction of all joints",
+           quoted(r.quantity),
+           "state " + missing_for_walls(*spec.model.control, spec.model.chain) + " in control.joints"});
+    }
+    if (f.kind == Kind::largest_kd) {
+      for (const GainReport& gain : report.gains)
+        if (gain.joint == f.index) return gain.kd;
+      throw Error({r.place, "requirements", "the largest kd is that for a limit of the joint's torque",
+                   quoted(r.quantity),
+                   "require at_most of torque." + spec.model.chain.independent[f.index].name +
+                       ".worst_case or, without accuracy and effects, .sigma"});
+    }
+    for (const LoopReport& loop : report.loops) {
+      if (loop.joint != f.index) continue;
+      if (f.kind == Kind::gain_margin) return loop.margins.gain;
+      if (!loop.stable) return f.kind == Kind::limit_cycle ? infinity : unknown_figure;
+      return f.kind == Kind::phase_margin ? loop.margins.phase.value_or(infinity)
+             : f.kind == Kind::bandwidth  ? loop.margins.bandwidth.value_or(infinity)
+                                          : loop.cycle.bound;
+    }
+  }
+  throw Error({r.place, "requirements", "the figure has no value", quoted(r.quantity), "see `qerr analyze`"});
+}
+
+std::vector<std::string> control_warnings(const Spec& spec, const ControlReport& report) {
+  std::vector<std::string> warnings;
+  if (!spec.model.control) return warnings;
+  const Control& control = *spec.model.control;
+  const Chain& chain = spec.model.chain;
+  std::string without;
+  for (std::size_t j = 0; j < control.joints.size(); ++j)
+    if (control.joints[j].acts() && !has_loop(control, chain, j))
+      without += (without.empty() ? "" : ", ") + chain.independent[j].name;
+  if (!without.empty())
+    warnings.push_back("control: the loop of " + without +
+                       " is not closed: its inertia is not known; state 'inertia:', or give the URDF's links "
+                       "their masses");
+  for (const LoopReport& l : report.loops)
+    if (!l.stable)
+      warnings.push_back(
+          "control: the loop of joint '" + chain.independent[l.joint].name +
+          "' is unstable at an inertia of " +
+          readable(l.unstable_inertia, chain.independent[l.joint].prismatic() ? "kg" : "kg m^2") +
+          ", its errors are unbounded; " +
+          (l.margins.gain > 0 ? "it is stable below " + significant(l.margins.gain, 4) + " times its gains"
+                              : "no smaller gain makes it stable"));
+  const std::string missing = missing_for_walls(control, chain);
+  if (!control.walls.empty() && !missing.empty())
+    warnings.push_back("walls: no stiffness is given; state " + missing + " in control.joints");
+  return warnings;
+}
+
+namespace {
+
+std::string degrees(const std::optional<double>& angle) {
+  return angle ? significant(*angle * 180 / std::numbers::pi, 3) + " deg" : "-";
+}
+
+std::string hertz(const std::optional<double>& f) { return f ? readable(*f, "Hz") : "-"; }
+
+std::string loop_table(const Spec& spec, const ControlReport& report, const Style& style) {
+  std::vector<std::vector<std::string>> rows{{"", "inertia", "gain margin", "phase margin", "bandwidth",
+                                              "limit cycle at most", "predicted on a count",
+                                              "predicted on an edge", "torque step"}};
+  for (const LoopReport& l : report.loops) {
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const std::string unit = joint.prismatic() ? "m" : "rad", torque = joint.prismatic() ? "N" : "N m",
+                      mass = joint.prismatic() ? "kg" : "kg m^2";
+    std::string inertia = significant(l.least_inertia, 3);
+    if (l.largest_inertia > l.least_inertia * 1.001) inertia += " .. " + significant(l.largest_inertia, 3);
+    if (!l.stable) {
+      rows.push_back(
+          {shown(joint.name), inertia + ' ' + mass, "unstable", "-", "-", "unbounded", "-", "-", "-"});
+      continue;
+    }
+    const LimitCycle& c = l.cycle;
+    rows.push_back({shown(joint.name), inertia + ' ' + mass,
+                    std::isinf(l.margins.gain) ? "inf" : significant(l.margins.gain, 4),
+                    degrees(l.margins.phase), hertz(l.margins.bandwidth), readable(c.bound, unit),
+                    c.on_count ? "yes" : "no",
+                    c.on_edge ? readable(c.edge_amplitude, unit) + " at " + hertz(c.frequency) : "no",
+                    readable(c.torque_step, torque)});
+  }
+  return heading("Loops, at the worst inertia of the configurations", style) +
+         fitted_table(rows, style.width) +
+         wrapped(
+             "limit cycle at most: proven, whatever the motion; predicted: by the describing function of "
+             "rounding; Coulomb friction above torque.JOINT.worst_case ends one between two counts, where "
+             "the "
+             "torque is never larger",
+             style.width, "  ");
+}
+
+std::string wall_table(const Spec& spec, const ControlReport& report, const Style& style) {
+  std::vector<std::vector<std::string>> rows{
+      {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
+  std::string places;
+  for (const WallReport& w : report.walls) {
+    rows.push_back({shown(w.name), readable(w.limit.stiffness(), "N/m"),
+                    w.limit.by_quantization() ? "counts, friction" : "rate, damping",
+                    shown(spec.model.chain.independent[w.limit.joint()].name), readable(w.sampling, "N/m"),
+                    readable(w.quantization, "N/m")});
+    places += (places.empty() ? "least at " : "; ") + shown(w.name) + ": ";
+    for (Eigen::Index j = 0; j < w.at.size(); ++j)
+      places += (j ? ", " : "") + shown(spec.model.chain.independent[static_cast<std::size_t>(j)].name) +
+                ' ' + significant(w.at[j], 4);
+  }
+  return heading("Virtual walls: the least stiffness over the configurations that stays passive", style) +
+         fitted_table(rows, style.width) + wrapped(places, style.width, "  ") +
+         wrapped(
+             "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
+             "of the counts",
+             style.width, "  ");
+}
+
+std::string gain_lines(const Spec& spec, const ControlReport& report, const Style& style) {
+  std::string text;
+  for (const GainReport& g : report.gains) {
+    const IndependentJoint& joint = spec.model.chain.independent[g.joint];
+    text += (text.empty() ? "" : "; ") + shown(joint.name) + ' ' +
+            (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
+            " (" + g.quantity + ')';
+  }
+  return text.empty() ? "" : wrapped("largest kd that meets the requirements: " + text, style.width, "  ");
+}
+
+}  // namespace
+
+std::string control_tables(const Spec& spec, const ControlReport& report, const Style& style) {
+  return (report.loops.empty() ? "" : loop_table(spec, report, style)) + gain_lines(spec, report, style) +
+         (report.walls.empty() ? "" : wall_table(spec, report, style));
+}
+
+}  // namespace qerr

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/loop.hpp"
+#include "control/walls.hpp"
+#include "qerr/report/analysis.hpp"
+#include "qerr/report/write.hpp"
+
+/// The section of `analyze` about loops and walls, and its figures in requirements.
+namespace qerr {
+
+/// A joint's loop over the configurations: the least margins and bandwidth, the largest limit cycle.
+struct LoopReport {
+  std::size_t joint = 0;
+  double least_inertia = 0, largest_inertia = 0;  ///< [kg m^2 or kg]
+  bool stable = false;                            ///< at all inertias
+  double unstable_inertia = 0;                    ///< of an unstable loop: one at which it is
+  LoopMargins margins;                            ///< least; of an unstable loop at that inertia
+  LimitCycle cycle;                               ///< largest; of a stable loop
+};
+
+/// A wall: the least limit over the configurations, and where it is.
+struct WallReport {
+  std::string name;
+  WallLimit limit;
+  double sampling = 0, quantization = 0;  ///< the least of either condition [N/m]
+  Eigen::VectorXd at;
+};
+
+/// The largest kd with which a joint's torque meets its requirements, the loop open and kp as stated.
+struct GainReport {
+  std::size_t joint = 0;
+  double kd = 0;         ///< [N m s/rad or N s/m]
+  std::string quantity;  ///< the requirement that limits it
+};
+
+/// Loops of all joints whose inertia is known, and all walls for which everything is stated.
+struct ControlReport {
+  std::vector<LoopReport> loops;
+  std::vector<WallReport> walls;
+  std::vector<GainReport> gains;  ///< of joints with a requirement on their torque
+};
+
+/// Over the configurations of the spec, of more than 10000 the first.
+ControlReport control_report(const Spec&);
+
+/// The value of a requirement on a figure of a loop or a wall: infinite if unbounded, NaN if an unstable loop
+/// has none, which meets no limit.
+/// @throws Error (input) if it needs what is not stated
+double control_value(const Requirement&, const Spec&, const ControlReport&);
+
+/// Whether a requirement is on such a figure.
+bool any_of_control(const Spec&);
+
+/// One for each unstable loop and each wall that lacks a statement.
+std::vector<std::string> control_warnings(const Spec&, const ControlReport&);
+
+/// The sections of the table; "" without `control`.
+std::string control_tables(const Spec&, const ControlReport&, const Style&);
+
+}  // namespace qerr

@@ -1,0 +1,332 @@
+#!/usr/bin/env python3
+"""Checks controllers, loops and walls of `qerr analyze` against an own computation and simulations.
+
+    check_control.py --qerr PATH [--count 12] [--seed 1]
+
+Random planar arms of two joints with masses, couplings, velocity filters, gains, delays (fractions of a sample, too) and
+stated or varying inertias. Torques: norms of the impulse response kp + kd h. Closed loops: responses by a matrix
+exponential of the plant, at every configuration; margins on a grid, refined by bisection; unstable loops by the growth of
+their response. Stable loops are then simulated with the quantizer in the loop at random offsets: never above the bounds.
+Walls: the formulas, and of one axis the energy of random hand motions below the limit and of the critical motions above.
+"""
+import argparse
+import json
+import math
+import pathlib
+import random
+import tempfile
+
+import numpy as np
+
+import filters
+from tool import Tally, Worst, run
+
+URDF = """<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="{c1} 0 0"/><mass value="{m1}"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01"
+ iyz="0" izz="{i1}"/></inertial></link>
+<link name="lower"><inertial><origin xyz="{c2} 0 0"/><mass value="{m2}"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01"
+ iyz="0" izz="{i2}"/></inertial></link><link name="tip"/>
+<joint name="a1" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
+<joint name="a2" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="{l1} 0 0"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
+<joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="{l2} 0 0"/></joint></robot>
+"""
+
+
+class Case:
+    def __init__(self, rng):
+        u = rng.uniform
+        self.arm = {"l1": u(0.2, 0.6), "l2": u(0.2, 0.6), "c1": u(0.1, 0.2), "c2": u(0.1, 0.2), "m1": u(1, 5),
+                    "m2": u(0.5, 4), "i1": u(0.01, 0.1), "i2": u(0.01, 0.1)}
+        self.points = [[u(-2.9, 2.9), u(-2.9, 2.9)] for _ in range(4)]
+        self.coupling = np.array([[1, 0], [rng.choice([0, 0, 1, -0.5]), 1]])
+        self.bits = [rng.randint(12, 18) for _ in range(2)]
+        self.rate = rng.choice([500, 1000, 4000])
+        self.filter = {"derivative": 1, "sample_rate": self.rate}
+        if rng.random() < 0.8:
+            self.filter["lowpass"] = {"family": rng.choice(["first_order", "butterworth"]), "order": rng.randint(1, 2),
+                                      "cutoff": self.rate * u(0.02, 0.2)}
+        self.delay = rng.choice([0, 1, 2, u(0, 2)]) / self.rate
+        self.joints, damped = [], rng.random() < 0.6
+        for j in range(2):
+            inertia = u(0.05, 2) if rng.random() < 0.5 else None
+            typical = inertia or (0.5, 0.1)[j]
+            omega = self.rate * 10 ** u(-2.5, -1.1)
+            self.joints.append({"kp": typical * omega**2, "kd": 2 * u(0.3, 1.2) * typical * omega, "inertia": inertia,
+                                "damping": u(0.01, 1) if damped or rng.random() < 0.3 else 0, "friction": u(0.05, 1)})
+        self.normal = [u(-1, 1), u(-1, 1), 0]
+
+    def spec(self):
+        low = self.filter.get("lowpass")
+        lowpass = "" if not low else ", lowpass: {family: %s, order: %d, cutoff: %r}" % (
+            low["family"], low["order"], low["cutoff"])
+        joints = ""
+        for name, j in zip(("a1", "a2"), self.joints):
+            inertia = "" if j["inertia"] is None else f"inertia: {j['inertia']!r}, "
+            joints += (f"    {name}: {{kp: {j['kp']!r}, kd: {j['kd']!r}, velocity: v, {inertia}"
+                       f"damping: {j['damping']!r}, friction: {j['friction']!r}}}\n")
+        walls = f"walls: {{w: {{normal: {self.normal}}}}}\n" if all(j["damping"] for j in self.joints) else ""
+        encoders = f"{{a1: {{bits: {self.bits[0]}}}, a2: {{bits: {self.bits[1]}}}}}"
+        return (f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {encoders}\n"
+                f"coupling: {self.coupling.tolist()}\ncoordinates: [x, y]\n"
+                f"filters: {{v: {{derivative: 1, sample_rate: {self.rate}{lowpass}}}}}\n"
+                f"control:\n  delay: {self.delay!r}\n  joints:\n{joints}{walls}"
+                f"configurations: {{method: list, points: {self.points}}}\n")
+
+    def delta(self):
+        return np.array([2 * math.pi / 2**b for b in self.bits])
+
+    def inertia(self, j, q):
+        a = self.arm
+        if self.joints[j]["inertia"] is not None:
+            return self.joints[j]["inertia"]
+        if j == 1:
+            return a["i2"] + a["m2"] * a["c2"] ** 2
+        return (a["i1"] + a["i2"] + a["m1"] * a["c1"] ** 2
+                + a["m2"] * (a["l1"] ** 2 + a["c2"] ** 2 + 2 * a["l1"] * a["c2"] * math.cos(q[1])))
+
+    def jacobian(self, q):
+        a, s, c = self.arm, math.sin, math.cos
+        return np.array([[-a["l1"] * s(q[0]) - a["l2"] * s(q[0] + q[1]), -a["l2"] * s(q[0] + q[1])],
+                         [a["l1"] * c(q[0]) + a["l2"] * c(q[0] + q[1]), a["l2"] * c(q[0] + q[1])]])
+
+
+def exponential(matrix):
+    halvings = max(0, int(math.ceil(math.log2(np.abs(matrix).sum() + 1e-300))) + 4)
+    m, total, term = matrix / 2**halvings, np.eye(len(matrix)), np.eye(len(matrix))
+    for k in range(1, 20):
+        term = term @ m / k
+        total = total + term
+    for _ in range(halvings):
+        total = total @ total
+    return total
+
+
+def held(inertia, damping, t):
+    """State matrix and input column of M q'' + b q' = u over t."""
+    e = exponential(np.array([[0, 1, 0], [0, -damping / inertia, 1 / inertia], [0, 0, 0]]) * t)
+    return e[:2, :2], e[:2, 2]
+
+
+class Loop:
+    """One joint's loop as a state space: position, velocity, past torques, sections of the velocity filter."""
+
+    def __init__(self, case, j, inertia):
+        self.case, self.joint = case, case.joints[j]
+        samples = case.delay * case.rate
+        whole = round(samples) if abs(samples - round(samples)) < 1e-9 else math.floor(samples)
+        late = max(0.0, samples - whole)
+        self.early = held(inertia, self.joint["damping"], late / case.rate)
+        self.after = held(inertia, self.joint["damping"], (1 - late) / case.rate)
+        self.whole, self.late = whole, late
+        self.sections = [(np.array(b, dtype=float), np.array(a, dtype=float)) for b, a in filters.sections_of(case.filter)]
+
+    def simulate(self, reading_error, count, quantum=None, offset=0.0, start=(0.0, 0.0)):
+        """Motion and torque; the reading is q + error, or q rounded to multiples of a quantum about an offset."""
+        x, past = np.array(start), [0.0] * (self.whole + 2)
+        states = [([0.0] * len(b), [0.0] * (len(a) - 1)) for b, a in self.sections]
+        first = None
+        motions, torques = [], []
+        for k in range(count):
+            reading = (quantum * math.floor((x[0] - offset) / quantum + 0.5) + offset if quantum
+                       else x[0] + (reading_error if k == 0 else 0))
+            if quantum and first is None:  # the filter has rested at the first reading
+                first = reading
+            value = reading - (first or 0)
+            for (b, a), (ins, outs) in zip(self.sections, states):
+                ins.insert(0, value)
+                ins.pop()
+                value = sum(c * v for c, v in zip(b, ins)) - sum(c * v for c, v in zip(a[1:], outs))
+                if outs:
+                    outs.insert(0, value)
+                    outs.pop()
+            u = -self.joint["kp"] * reading - self.joint["kd"] * value
+            past.insert(0, u)
+            past.pop()
+            motions.append(x[0])
+            torques.append(u)
+            if self.late > 0:
+                x = self.early[0] @ x + self.early[1] * past[self.whole + 1]
+            x = self.after[0] @ x + self.after[1] * past[self.whole]
+            if not abs(x[0]) < 1e12:
+                return None
+        return np.array(motions), np.array(torques)
+
+    def response(self):
+        for count in (1000, 4000, 16000, 64000, 256000):
+            r = self.simulate(1.0, count)
+            if r is None:
+                return None
+            if max(np.abs(x[-count // 8:]).sum() / np.abs(x).sum() for x in r) < 1e-12:
+                return r
+        return r if max(np.abs(x[-count // 8:]).sum() / np.abs(x).sum() for x in r) < 1e-3 else None
+
+    def open(self, omega):
+        """L at e^(j omega)."""
+        q, case = np.exp(-1j * omega), self.case
+        h = 1
+        for b, a in self.sections:
+            h = h * sum(c * q**k for k, c in enumerate(b)) / sum(c * q**k for k, c in enumerate(a))
+        # x+ = A x + B0 u(k - d) + B1 u(k - d - 1)
+        a = self.after[0] @ self.early[0]
+        sooner, later = self.after[1], self.after[0] @ self.early[1] * (self.late > 0)
+        b = [sooner[i] * q**self.whole + later[i] * q ** (self.whole + 1) for i in range(2)]
+        z = 1 / q
+        determinant = (z - a[0, 0]) * (z - a[1, 1]) - a[0, 1] * a[1, 0]
+        g = ((z - a[1, 1]) * b[0] + a[0, 1] * b[1]) / determinant
+        return g * (self.joint["kp"] + self.joint["kd"] * h)
+
+    def margins(self):
+        grid = np.concatenate([np.geomspace(1e-5, 0.1, 3000), np.linspace(0.1, math.pi, 6000)[1:]])
+        values = self.open(grid)
+
+        def crossings(of):
+            f = of(values)
+            for i in np.nonzero(f[:-1] * f[1:] < 0)[0]:
+                lower, upper = grid[i], grid[i + 1]
+                for _ in range(80):
+                    middle = 0.5 * (lower + upper)
+                    if of(self.open(middle)) * f[i] > 0:
+                        lower = middle
+                    else:
+                        upper = middle
+                yield middle
+
+        gains = [1 / -v.real for v in map(self.open, crossings(lambda v: v.imag)) if v.real < 0]
+        last = self.open(math.pi)
+        if last.real < 0:
+            gains.append(-1 / last.real)
+        phases = [abs(np.angle(-self.open(w))) for w in crossings(lambda v: np.abs(v) - 1)]
+        band = [w for w in crossings(lambda v: np.abs(v / (1 + v)) - math.sqrt(0.5))]
+        return {"gain_margin": min([g for g in gains if g > 1], default=math.inf),
+                "phase_margin": min(phases, default=math.inf),
+                "bandwidth": min(band, default=math.nan) * self.case.rate / (2 * math.pi)}
+
+
+def l1(h):
+    return float(np.abs(h).sum())
+
+
+def h2(h):
+    return float(np.sqrt((h * h).sum()))
+
+
+def summed(parts):
+    total = np.zeros(max(map(len, parts)))
+    for p in parts:
+        total[:len(p)] += p
+    return total
+
+
+def check_case(case, report, worst, reached, tally, rng, name):
+    delta, coupling = case.delta(), case.coupling
+    velocity = filters.impulse(case.filter).astype(float)
+    by_signal = {}
+    for row in report["position"]:
+        by_signal[row.get("signal", "position"), row["coordinate"]] = row
+    for row in report["derivatives"]:
+        for c in row["coordinates"]:
+            by_signal[row.get("signal", row["filter"]), c["coordinate"]] = c
+    for j, joint in enumerate(("a1", "a2")):
+        h = case.joints[j]["kd"] * velocity
+        h[0] += case.joints[j]["kp"]
+        row = by_signal["torque", joint]
+        worst["torque"].add(f"{name} {joint} worst", row["worst_case"]["max"], l1(h) * np.abs(coupling[j]) @ delta / 2)
+        worst["torque"].add(f"{name} {joint} sigma", row["sigma"]["max"], h2(h) * math.sqrt(coupling[j] ** 2 @ delta**2 / 12))
+    loops = [[Loop(case, j, case.inertia(j, q)) for j in range(2)] for q in case.points]
+    responses = [[loop.response() for loop in of_point] for of_point in loops]
+    stable = [all(r[j] is not None for r in responses) for j in range(2)]
+    for j, joint in enumerate(("a1", "a2")):
+        told = report["control"]["loops"][j]
+        # At an inertia between those of the configurations a loop may be unstable that is not at them.
+        between = stable[j] and told["gain_margin"] is not None and told["gain_margin"] < 1
+        tally.check(f"{name} {joint} stability", told["stable"] == stable[j] or between, f"{told} {stable}")
+        if not stable[j]:
+            continue
+        for kind, part in (("closed_position", 0), ("closed_torque", 1)):
+            row = by_signal[kind, joint]
+            worst["closed"].add(f"{name} {kind} {joint}", row["worst_case"]["max"],
+                                max(l1(r[j][part]) for r in responses) * np.abs(coupling[j]) @ delta / 2)
+            worst["closed"].add(f"{name} {kind} {joint} sigma", row["sigma"]["max"],
+                                max(h2(r[j][part]) for r in responses) * math.sqrt(coupling[j] ** 2 @ delta**2 / 12))
+        if case.joints[j]["inertia"] is not None or j == 1:
+            for key, value in loops[0][j].margins().items():
+                if math.isfinite(value):
+                    worst["margin"].add(f"{name} {joint} {key}", told[key], value)
+        count = np.abs(coupling[j]) @ delta
+        if np.count_nonzero(coupling[j]) == 1:
+            reached.append(check_quantized(loops[0][j], responses[0][j], count, tally, rng, f"{name} {joint}"))
+    if all(stable):
+        for i, c in enumerate(("x", "y")):
+            worst_case, sigma = [], []
+            for q, r in zip(case.points, responses):
+                row = case.jacobian(q)[i]
+                parts = [summed([row[j] * coupling[j, e] * r[j][0] for j in range(2)]) for e in range(2)]
+                worst_case.append(sum(l1(p) * d / 2 for p, d in zip(parts, delta)))
+                sigma.append(math.sqrt(sum(h2(p) ** 2 * d**2 / 12 for p, d in zip(parts, delta))))
+            row = by_signal["closed_position", c]
+            worst["closed"].add(f"{name} tip {c}", row["worst_case"]["max"], max(worst_case))
+            worst["closed"].add(f"{name} tip {c} sigma", row["sigma"]["mean"], float(np.mean(sigma)))
+    if report["control"]["walls"]:
+        check_wall_figures(case, report["control"]["walls"][0], worst["wall"], name)
+
+
+def check_quantized(loop, response, count, tally, rng, name):
+    """At rest near the set point, at random offsets of the counts: never above the bounds. Returns what part is reached."""
+    motion, torque = (l1(r) * count / 2 for r in response)
+    reached, size = 0.0, min(4000, 4 * len(response[0]))
+    for _ in range(4):
+        offset = rng.choice([0.5, rng.uniform(-0.5, 0.5)]) * count
+        run_ = loop.simulate(0, size, count, offset, (rng.uniform(-2, 2) * count, 0.0))
+        tail = [np.abs(x[size // 2:]).max() for x in run_]
+        # What is left of the start decays; the bounds hold for what quantization keeps alive.
+        left = np.abs(response[0][size // 2:]).sum() if len(response[0]) > size // 2 else 0
+        if not tally.check(f"{name} quantized", tail[0] <= motion * (1 + 1e-6) + 10 * left * count
+                           and tail[1] <= torque * (1 + 1e-6) + 1e3 * left * count, f"{tail} {motion} {torque}"):
+            break
+        reached = max(reached, tail[1] / torque)
+    return reached
+
+
+def check_wall_figures(case, told, worst, name):
+    delta, least = case.delta(), (math.inf, math.inf, math.inf)
+    normal = np.array(case.normal[:2]) / np.linalg.norm(case.normal)
+    samples = case.delay * case.rate
+    for q in case.points:
+        g = case.jacobian(q).T @ normal
+        counts = np.abs(g @ case.coupling) @ delta
+        sampling = 2 * case.rate / ((1 + 2 * samples) * sum(g[j] ** 2 / case.joints[j]["damping"] for j in range(2)))
+        counting = min(2 * case.joints[j]["friction"] / (abs(g[j]) * counts) for j in range(2))
+        least = min(least[0], min(sampling, counting)), min(least[1], sampling), min(least[2], counting)
+    for key, value in zip(("stiffness", "limit_of_rate", "limit_of_counts"), least):
+        worst.add(f"{name} wall {key}", told[key], value)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--count", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    tally = Tally(False)
+    worst = {"torque": Worst(1e-9), "closed": Worst(1e-6), "margin": Worst(1e-4), "wall": Worst(1e-9)}
+    reached = []  # parts of the bound of the torque
+    with tempfile.TemporaryDirectory() as folder:
+        for i in range(arguments.count):
+            rng = random.Random(f"{arguments.seed} {i}")
+            case = Case(rng)
+            path = pathlib.Path(folder)
+            (path / "arm.urdf").write_text(URDF.format(**case.arm))
+            (path / "spec.yaml").write_text(case.spec())
+            done = run(pathlib.Path(arguments.qerr).resolve(), "analyze", path / "spec.yaml", "--format", "json")
+            if tally.check(f"case {i} runs", done.code == 0, done.err.decode()[:500]):
+                check_case(case, json.loads(done.out), worst, reached, tally, rng, f"case {i}")
+    tally.check(f"{len(reached)} quantized loops reach half of the torque's bound", max(reached, default=0) > 0.5, f"{reached}")
+    for name, w in worst.items():
+        tally.check(f"{name}: {w.count} figures", w.holds(), w.detail())
+    return tally.close()
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

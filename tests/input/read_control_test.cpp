@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "control/control.hpp"
+#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/report/analysis.hpp"
+#include "report/analysis/control.hpp"
+#include "report/analysis/figure_names.hpp"
+
+namespace qerr {
+namespace {
+
+class ControlSection : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("qerr_control_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "arm.urdf")
+        << R"(<robot name="arm"><link name="a"/><link name="b"/><link name="c"/>
+      <joint name="j1" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+        <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+      <joint name="j2" type="revolute"><parent link="b"/><child link="c"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Spec read(const std::string& sections, const SpecOverrides& overrides = {}) {
+    return parse_spec(
+        "qerr: 1\nrobot: {urdf: arm.urdf, tool: {xyz: [0.4, 0, 0]}}\n"
+        "encoders: {j1: {resolution: 1 mrad}, j2: {resolution: 2 mrad, rounding: down}}\n"
+        "configurations: {method: list, points: [[0.3, 0.7]]}\n"
+        "filters:\n"
+        "  v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: butterworth, order: 2, cutoff: 30 "
+        "Hz}}\n" +
+            sections,
+        (folder_ / "spec.yaml").string(), overrides);
+  }
+  Spec controlled(const std::string& more = "", const SpecOverrides& overrides = {}) {
+    return read(
+        "control: {joints: {'j*': {kp: 400 N m/rad, kd: 5 N m s/rad, velocity: v, inertia: 0.6 kg m^2,\n"
+        "  damping: 0.2, friction: 0.4}}}\n" +
+            more,
+        overrides);
+  }
+  std::string refusal(const std::string& sections) {
+    try {
+      check(read(sections));
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "accepted";
+  }
+  double required(const Spec& spec) { return check(spec).results.front().value; }
+
+  std::filesystem::path folder_;
+};
+
+/// sum |k + d h|, its squares and its sum, by the impulse response.
+struct FilterSums {
+  double l1 = 0, h2 = 0, dc = 0;
+};
+
+FilterSums filter_sums(const Filter& h, double k, double d) {
+  FilterSums s;
+  std::vector<double> response = impulse_response(h, 4000);
+  for (double& x : response) x *= d;
+  response[0] += k;
+  for (const double x : response) s.l1 += std::abs(x), s.h2 += x * x, s.dc += x;
+  s.h2 = std::sqrt(s.h2);
+  return s;
+}
+
+TEST_F(ControlSection, TorqueIsThatOfTheImpulseResponse) {
+  const Spec spec = controlled("coupling: [[1, 0], [0.5, 1]]\n");
+  const FilterSums f = filter_sums(spec.filters[0].filter, 400, 5);
+  const auto torque = [&](const std::string& quantity, const std::string& statistic = ", statistic: max") {
+    return required(controlled("coupling: [[1, 0], [0.5, 1]]\nrequirements: [{quantity: " + quantity +
+                               statistic + ", at_most: 1e9}]\n"));
+  };
+  EXPECT_NEAR(torque("torque.j1.worst_case"), f.l1 * 0.5e-3, 1e-11);
+  EXPECT_NEAR(torque("torque.j2.worst_case"), f.l1 * (0.25e-3 + 1e-3) + std::abs(f.dc) * 1e-3, 1e-11);
+  EXPECT_NEAR(torque("torque.j2.sigma"), f.h2 * std::hypot(0.5e-3, 2e-3) / std::sqrt(12), 1e-11);
+  EXPECT_NEAR(torque("torque.j1.l1_norm", ""), f.l1, 1e-8);
+}
+
+TEST_F(ControlSection, FiltersOfJointsHaveFiguresOfTheseJointsOnly) {
+  const Spec spec = read("  w: {joints: 'j2', derivative: 1, sample_rate: 1 kHz}\n");
+  std::string names;
+  for (const FigureName& f : all_figures(spec)) names += f.quantity() + ' ';
+  EXPECT_NE(names.find("w.j2.sigma "), std::string::npos);
+  EXPECT_NE(names.find("v.j2.sigma "), std::string::npos);
+  EXPECT_EQ(names.find("w.x."), std::string::npos);
+  EXPECT_EQ(names.find("w.j1."), std::string::npos);
+  EXPECT_NE(refusal("  w: {joints: 'j2', derivative: 1, sample_rate: 1 kHz}\n"
+                    "requirements: [{quantity: w.x.sigma, statistic: max, at_most: 1}]\n")
+                .find("does not filter 'x'"),
+            std::string::npos);
+  EXPECT_NE(refusal("  w: {joints: 'k*', derivative: 1, sample_rate: 1 kHz}\n").find("fits no joint"),
+            std::string::npos);
+}
+
+TEST_F(ControlSection, OverridesChangeOneJointAndKeepWhatItsPatternSays) {
+  const Spec spec = controlled("", {{{"control.joints.j1.kp", "800"}}, {}});
+  EXPECT_EQ(spec.model.control->joints[0].kp, 800);
+  EXPECT_EQ(spec.model.control->joints[0].kd, 5);
+  EXPECT_EQ(spec.model.control->joints[1].kp, 400);
+}
+
+TEST_F(ControlSection, ImpedanceAtTheTipIsOneFilterForEachPairOfJoints) {
+  const Spec spec =
+      read("control: {tip: {stiffness: [2 kN/m, 1 kN/m, 1 kN/m], damping: [20, 30, 0], velocity: v}}\n");
+  const Analysis a = analyze(spec);
+  const Eigen::MatrixXd j = jacobian(spec.model.chain, Eigen::Vector2d(0.3, 0.7)).topRows<3>();
+  const Eigen::MatrixXd k = j.transpose() * Eigen::Vector3d(2000, 1000, 1000).asDiagonal() * j,
+                        d = j.transpose() * Eigen::Vector3d(20, 30, 0).asDiagonal() * j;
+  const std::vector<Signal> all = all_signals(spec.model);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const FilterSums first = filter_sums(spec.filters[0].filter, k(i, 0), d(i, 0)),
+                     second = filter_sums(spec.filters[0].filter, k(i, 1), d(i, 1));
+    bool found = false;
+    for (std::size_t s = 0; s < all.size(); ++s) {
+      if (all[s].name != "torque.j" + std::to_string(i + 1)) continue;
+      found = true;
+      EXPECT_NEAR(a.workspace.coordinates[s].worst_case.max,
+                  first.l1 * 0.5e-3 + second.l1 * 1e-3 + std::abs(second.dc) * 1e-3, 1e-9);
+      EXPECT_NEAR(a.workspace.coordinates[s].sigma.max,
+                  std::hypot(first.h2 * 1e-3, second.h2 * 2e-3) / std::sqrt(12), 1e-9);
+    }
+    EXPECT_TRUE(found);
+  }
+}
+
+TEST_F(ControlSection, LargestGainJustMeetsTheRequirement) {
+  const std::string limit =
+      "requirements: [{quantity: torque.j2.worst_case, statistic: max, at_most: 2.5}]\n";
+  const Spec spec = controlled(limit);
+  const ControlReport report = control_report(spec);
+  ASSERT_EQ(report.gains.size(), 1u);
+  const double kd = report.gains.front().kd;
+  const Spec with = controlled(limit, {{{"control.joints.j2.kd", std::to_string(kd)}}, {}});
+  EXPECT_NEAR(required(with), 2.5, 1e-5);
+}
+
+TEST_F(ControlSection, AnUnstableLoopMeetsNoRequirement) {
+  const std::string fast = "control: {joints: {'*': {kp: 4000, kd: 900, velocity: v, inertia: 0.6}}}\n";
+  for (const std::string quantity : {"loop.j1.limit_cycle, at_most: 1e9", "loop.j1.bandwidth, at_least: 0",
+                                     "loop.j1.phase_margin, at_least: 0", "loop.j1.gain_margin, at_least: 1",
+                                     "closed_torque.j1.sigma, statistic: max, at_most: 1e9"})
+    EXPECT_FALSE(check(read(fast + "requirements: [{quantity: " + quantity + "}]\n")).all_met()) << quantity;
+  const Analysis a = analyze(read(fast));
+  bool told = false;
+  for (const std::string& warning : a.warnings) told = told || warning.find("unstable") != std::string::npos;
+  EXPECT_TRUE(told);
+}
+
+TEST_F(ControlSection, RefusesWhatCannotBe) {
+  const auto of_joints = [&](const std::string& entry) {
+    return refusal("control: {joints: {'*': {" + entry + "}}}\n");
+  };
+  EXPECT_NE(of_joints("kp: 1, kd: 1").find("needs the filter"), std::string::npos);
+  EXPECT_NE(of_joints("kp: 1, kd: 1, velocity: w").find("no such filter"), std::string::npos);
+  EXPECT_NE(of_joints("kp: 1 kN/m, kd: 1, velocity: v").find("kp"), std::string::npos);
+  EXPECT_NE(of_joints("kp: 1, stiffness: 2").find("stiffness"), std::string::npos);
+  EXPECT_NE(of_joints("kp: 1").find("sample_rate"), std::string::npos);
+  EXPECT_NE(
+      refusal("control: {sample_rate: 2 kHz, joints: {'*': {kd: 1, velocity: v}}}\n").find("one sample rate"),
+      std::string::npos);
+  EXPECT_NE(refusal("control: {delay: 1 s, joints: {'*': {kd: 1, velocity: v}}}\n").find("64 samples"),
+            std::string::npos);
+  EXPECT_NE(refusal("walls: {w: {normal: [0, 0, 1]}}\n").find("walls need"), std::string::npos);
+  EXPECT_NE(
+      refusal(
+          "control: {joints: {'*': {kd: 1, velocity: v}}}\nrequirements: [{quantity: loop.j1.gain_margin, "
+          "at_least: 2}]\n")
+          .find("no such figure"),
+      std::string::npos)
+      << "without an inertia there is no loop";
+}
+
+}  // namespace
+}  // namespace qerr
