@@ -35,14 +35,14 @@ struct TwoSines {
   }
 };
 
-using Signal = std::function<double(int)>;  // of the sample
+using SampledSignal = std::function<double(int)>;  // of the sample
 
 struct Expected {
   double mean, sigma, peak;
 };
 
 /// Every `every`-th sample of a signal through a filter that starts at rest at the first one.
-Expected filtered(const Filter* filter, int every, int samples, int settled, const Signal& signal) {
+Expected filtered(const Filter* filter, int every, int samples, int settled, const SampledSignal& signal) {
   std::vector<double> out;
   testing::ReferenceFilter reference(filter ? *filter : cascade(0, 1), 1);
   for (int k = 0; k < samples; k += every) {
@@ -85,7 +85,7 @@ TEST(EffectsAlongMotion, AreTheSignalsOfTheirDefinitionsBehindEveryFilter) {
   const double shaft = 10;  // of the encoder in one_joint
   struct Case {
     Effect effect;
-    Signal error;
+    SampledSignal error;
   };
   double side = 0, last = x(0);
   const std::vector<Case> cases{
@@ -166,7 +166,7 @@ TEST(EffectsAlongMotion, PassThroughTheKinematicsAlongTheMotion) {
       effects_along_motion(model, {effect}, x.motion(samples / rate), {filter}, settled / rate);
   const Eigen::Vector3d axis = model.chain.joints[0].axis;
   for (const Eigen::Index row : {0, 1, 2}) {
-    const Signal error = [&](int k) {
+    const SampledSignal error = [&](int k) {
       const double q = x(k / rate);
       const auto tip = [&](double angle) -> Eigen::Vector3d {
         return Eigen::AngleAxisd(angle, axis) * model.chain.tip_offset.translation();
