@@ -276,7 +276,7 @@ std::optional<NumberAdvice> unknown_unit(std::string_view text, const std::strin
   return NumberAdvice{why, "write " + whole};
 }
 
-/// `pi/2`, `2*pi`, `90*3.14/180`, `${x}`, `1e3*2`.
+/// `pi^2`, `90*3.14/180`, `${x}`, `1e3*2`.
 bool is_expression(std::string_view text) {
   return text.find("pi") != std::string_view::npos || text.find('*') != std::string_view::npos ||
          text.find(" x ") != std::string_view::npos ||

@@ -54,7 +54,7 @@ def check_pages(t, qerr):
 
 
 KEYWORDS = {  # words that people search for; a page that must be among those found, and a word of its excerpt
-    "dh": ("glossary", "DH"), "csv": ("output", "CSV"), "python": ("output", "pandas"), "noise": ("filters", "noise"),
+    "dh": ("glossary", "DH"), "csv": ("output", "CSV"), "pandas": ("output", "pandas"), "noise": ("filters", "noise"),
     "repeatability": ("glossary", "ISO 9283"), "TCP": ("glossary", "tool centre point"), "ENCODER": ("encoders", "encoder"),
     "ros": ("urdf", "ROS_PACKAGE_PATH"), "iso 9283": ("glossary", "RP"), "pre-commit": ("ci", "pre-commit"),
 }
@@ -77,14 +77,22 @@ def check_lists(t, qerr):
     """Every quantity of the list can be required, every unit be written."""
     rows = {kind: [row["name"] for row in json.loads(run(qerr, "list", kind, "--format", "json").out)] for kind in ("quantities", "units")}
     spec = ROOT / "configs" / "kuka_lwr" / "spec.yaml"
-    names = [re.sub("JOINT", "a1", re.sub("COORDINATE", "x", re.sub("FILTER", "velocity", name))) for name in rows["quantities"]]
-    t.check("quantities of positions, of filters and of encoders", len(names) >= 12 and {n.split(".")[0] for n in names} == {"position", "velocity", "encoder"})
+    examples = {"JOINT": "a1", "COORDINATE": "x", "FILTER": "velocity", "BOUND": "sigma", "FIGURE": "gain_margin", "NAME": "table"}
+    names = [re.sub("|".join(examples), lambda word: examples[word[0]], name) for name in rows["quantities"]]
+    controlled = {"torque", "closed_torque", "closed_position", "loop", "wall", "control"}
+    groups = {n.split(".")[0] for n in names}
+    t.check("quantities of positions, filters, encoders and controllers", len(names) >= 18 and groups == {"position", "velocity", "encoder"} | controlled)
+    control = ["--set", "control={sample_rate: 1 kHz, joints: {'a*': {kp: 100 N m/rad, kd: 2 N m s/rad, velocity: velocity, "
+               "inertia: 1 kg m^2, damping: 0.2 N m s/rad, friction: 0.5 N m}}}", "--set", "walls={table: {normal: [0, 0, 1]}}"]
     for name in names:
-        more = ", statistic: max" if name.count(".") == 2 and not name.startswith("encoder") else ""
+        group = name.split(".")[0]
+        more = ", statistic: max" if name.count(".") == 2 and group not in ("encoder", "loop", "wall", "control") else ""
+        beside = "{quantity: torque.a1.worst_case, statistic: max, at_most: 1e9}, " if group == "control" else ""
         moving = ["--set", "motion={sample_rate: 1 kHz, duration: 1 s, joints: {a1: {velocity: 0.1 rad/s}}}"]
-        ran = run(qerr, "check", "-q", spec, "--set", f"requirements=[{{quantity: {name}{more}, at_most: 1e9}}]",
-                  "--set", "configurations.count=20", *moving)
-        t.check(f"{name} can be required", ran.code == 0 and b"1 requirement met" in ran.out, ran.err.decode()[:300])
+        ran = run(qerr, "check", "-q", spec, "--set", f"requirements=[{beside}{{quantity: {name}{more}, at_most: 1e99}}]",
+                  "--set", "configurations.count=20", *moving, *(control if group in controlled else []))
+        met = b"2 requirements met" if beside else b"1 requirement met"
+        t.check(f"{name} can be required", ran.code == 0 and met in ran.out, (ran.out + ran.err).decode()[:300])
     t.check("units of lengths, angles and times", {"m", "deg", "arcsec", "Hz", "rpm"} <= set(rows["units"]))
 
 

@@ -231,10 +231,10 @@ def check_verdicts(t, qerr):
     few = ("--set", "configurations.count=500")
     for given in (specs[:1], specs):
         root = page(t, qerr, f"check of {len(given)}", "check", *given, *few)
-        drawn = sorted(float(r.get("data-value")) for r in root.iter(SVG + "rect") if r.get("data-name") not in (None, "the limit"))
+        drawn = sorted(float(r.get("data-value")) for r in root.iter(SVG + "g") if r.get("data-name") not in (None, "the limit"))
         judged = json.loads(run(qerr, "check", *given, *few, "--format", "json", "--quiet").out)
-        all_specs = judged.get("specs", [judged])
-        parts = sorted(r["value"] / r["limit"] for s in all_specs for r in s["requirements"])
+        all_specs = judged.get("reports", [judged])
+        parts = sorted((r["value"] / r["at_most"] if "at_most" in r else r["at_least"] / r["value"]) for s in all_specs for r in s["requirements"])
         t.check("parts of the limits as in JSON", len(drawn) == len(parts) and all(close(a, b) for a, b in zip(drawn, parts)), f"{drawn} {parts}")
 
 

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <locale>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/random.hpp"
 #include "core/text.hpp"
@@ -62,6 +65,24 @@ TEST(Quantity, ReadsFractions) {
   EXPECT_EQ(quantity("2 1/s")->dimension, dimension::frequency);
   for (const char* text : {"1/0", "1/", "1//2", "1/2/3", "/2", "1/-", "1e-200/1e200", "1e200/1e-200"})
     EXPECT_FALSE(quantity(text)) << text;
+}
+
+TEST(Quantity, ReadsPartsOfPi) {
+  const std::vector<std::pair<std::string, double>> cases{{"pi", std::numbers::pi},
+                                                          {"-pi/2", -std::numbers::pi / 2},
+                                                          {"3*pi/4", 3 * std::numbers::pi / 4},
+                                                          {"0.5 pi", 0.5 * std::numbers::pi},
+                                                          {"2 pi rad", 2 * std::numbers::pi}};
+  for (const auto& [text, value] : cases) {
+    std::string why;
+    const auto quantity = parse_quantity(text, why);
+    ASSERT_TRUE(quantity) << text << ": " << why;
+    EXPECT_DOUBLE_EQ(quantity->value, value) << text;
+  }
+  for (const char* text : {"pit", "pi2", "2pie", "pi pi", "1/pi*2", "-"}) {
+    std::string why;
+    EXPECT_FALSE(parse_quantity(text, why)) << text;
+  }
 }
 
 TEST(Quantity, RejectsTextOtherThanADecimalNumberWithAKnownUnit) {

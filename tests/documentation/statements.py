@@ -419,9 +419,11 @@ NAMES = {
         r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
     ],
     TOPICS["effects"]: [r"\bH2\b", r"\bl1\b"],
-    TOPICS["logs"]: [r"RFC 4180\b", r"ROS [12]\b", r"rosbag2", r"UTF-8", r"UTF-16", r"Windows-1252", r"# t q1 q2", r"`column [12]`", r"--column [^`]*",
-                     r"a joint `a1`", r"- (?:PlotJuggler|UR|libfranka|Dynamixel|moteus)\b.*", r"`actual_TCP_pose_0`", r"`O_T_EE\[12\]`",
-                     r"lz4", r"`\.db3`", r"`\.h5`", r"\| Float64.*", r"`26\.11\.2026 17:16:42,123`", r"`11/26/2026 5:16:42 PM`", r"those since 1970", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
+    TOPICS["logs"]: [r"RFC 4180\b", r"ROS [12]\b", r"rosbag2", r"UTF-8", r"UTF-16", r"Windows-1252", r"# t q1 q2", r"`column [12]`", r"--column shoulder\.counts=q1_motor --column 'shoulder\.reference=q1_link",
+                     r"\ba joint `a1`", r"/joint_states/a1/position`", r"`a1\.(?:measured|command|effort|counts):",
+                     r"`?(?:actual|target)_q_0`", r"[`']q\[0\]'?`", r"[`']tau_J\[0\]'?`", r"ID1_Present_Position`",
+                     r"`actual_TCP_pose_0`", r"`O_T_EE\[12\]`", r"\blz4\b", r"`\.db3`", r"`\.h5`",
+                     r"\| Float64, Float32, Int64, Int32 \|", r"\| Float64MultiArray \| `TOPIC/data/0`", r"`26\.11\.2026 17:16:42,123`", r"`11/26/2026 5:16:42 PM`", r"those since 1970", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
                      r"`123\.0`", r"multiples of 1/4, say", r"1/1024 or coarser"],
     PAPER: [
         r"--row 15\b",

@@ -48,7 +48,7 @@ TEST(OneJoint, WithoutRadiusHasItsJointAsTheCoordinate) {
 }
 
 TEST(OneJoint, FaultsNameTheRule) {
-  EXPECT_NE(fault("urdf: a.urdf, joint: {name: table}").find("not both"), std::string::npos);
+  EXPECT_NE(fault("urdf: a.urdf, joint: {name: table}").find("one of"), std::string::npos);
   EXPECT_NE(fault("base: a").find("'joint'"), std::string::npos);
   EXPECT_NE(fault("joint: {name: table, type: prismatic, radius: 1}").find("only a revolute"),
             std::string::npos);
