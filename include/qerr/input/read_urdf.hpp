@@ -10,7 +10,8 @@ namespace qerr {
 /// @throws Error (file_system) if it cannot be read; (input) if xacro cannot expand it
 std::string urdf_text(const std::string& path);
 
-/// Reads a URDF file, or a xacro template (`urdf_text`), with urdfdom, after strict checks of its text, numbers and tree.
+/// Reads a URDF file, or a xacro template (`urdf_text`), with urdfdom, after strict checks of its text,
+/// numbers and tree.
 /// @throws Error (input) with file, line and column if it is not a valid kinematic tree; (file_system) if it
 /// cannot be read
 RobotModel read_urdf(const std::string& path);
