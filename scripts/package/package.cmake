@@ -31,7 +31,8 @@ set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot, jq, parallel, python3, python3-matpl
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-qerr)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "qerr, python3-pandas")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "qerr")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "the commands of qerr as functions of Python
 Reports as dicts and as rows for pandas, logs as NumPy arrays, errors as
 exceptions.")

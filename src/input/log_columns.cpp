@@ -5,6 +5,7 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "input/joint_entries.hpp"
 #include "input/log_proposal.hpp"
 #include "input/read_sections.hpp"
 
@@ -232,14 +233,22 @@ class ColumnFinder {
                       ".measured [" + unit_of(joint) + "]'"
                 : "add '" + name + ".counts' or '" + name + ".measured [" + unit_of(joint) + "]'";
     if (!near.empty()) remedy += "; is it '" + near + "'?";
-    raise({table_.header()[0].place, name, rule, "", remedy});
+    raise({table_.header()[0].place, name, rule, "", remedy}, name);
   }
 
   /// A fault of the columns, and what may be meant by columns of other names.
-  [[noreturn]] void raise(const Fault& fault) const {
+  /// @param joint  that is not measured
+  [[noreturn]] void raise(const Fault& fault, const std::string& joint = "") const {
     const LogReading proposal = proposed_mapping(table_, spec_);
-    if (proposal.columns.size() <= spec_.log.columns.size()) throw Error(fault);
     Fault answered = fault;
+    if (proposal.columns.size() <= spec_.log.columns.size()) {
+      std::vector<std::string> columns;
+      for (const LogHeader& h : table_.header()) columns.push_back(h.text);
+      if (!joint.empty())
+        answered.remedy += "; or say which column it is, --column " + joint +
+                           ".counts=COLUMN (qerr help logs): the log has " + list_of_names(columns);
+      throw Error(answered);
+    }
     answered.remedy += "; or map its columns, as guessed here by names and values:";
     throw Error({answered, {{}, "", "", "", mapping_text(proposal)}});
   }
