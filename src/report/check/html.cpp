@@ -3,6 +3,7 @@
 
 #include "report/analysis/about.hpp"
 #include "report/check/parts.hpp"
+#include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/page.hpp"
