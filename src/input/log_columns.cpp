@@ -5,7 +5,6 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/joint_entries.hpp"
 #include "input/log_proposal.hpp"
 #include "input/read_sections.hpp"
 
@@ -242,11 +241,10 @@ class ColumnFinder {
     const LogReading proposal = proposed_mapping(table_, spec_);
     Fault answered = fault;
     if (proposal.columns.size() <= spec_.log.columns.size()) {
-      std::vector<std::string> columns;
-      for (const LogHeader& h : table_.header()) columns.push_back(h.text);
+      // What the columns are called is not repeated: the file may be none for qerr.
       if (!joint.empty())
-        answered.remedy += "; or say which column it is, --column " + joint +
-                           ".counts=COLUMN (qerr help logs): the log has " + list_of_names(columns);
+        answered.remedy += "; or say which of its " + std::to_string(table_.header().size()) +
+                           " columns that is: --column " + joint + ".counts=COLUMN (qerr help logs)";
       throw Error(answered);
     }
     answered.remedy += "; or map its columns, as guessed here by names and values:";
