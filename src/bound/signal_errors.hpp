@@ -27,7 +27,7 @@ class SignalErrors {
     Eigen::VectorXd peak, along_motion;   ///< [signal]: added to the bound, and to the variance
   };
   void set(std::size_t signal, const Eigen::VectorXd& column, double* figures) const;
-  /// Of a signal with norms of its own.
+  /// Stores the figures of a signal with norms of its own.
   void set_closed(std::size_t signal, const Eigen::VectorXd& q, double* figures) const;
 
   OperationalModel model_;

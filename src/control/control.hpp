@@ -24,7 +24,7 @@ struct JointController {
   bool acts() const { return kp != 0 || kd != 0; }
 };
 
-/// Of an impulse response h: h_0, the sums of |h_k| and h_k^2 over k > 0, and the sum of all. The norms of k
+/// Sums of an impulse response h: h_0, those of |h_k| and h_k^2 over k > 0, and that of all h. The norms of k
 /// + d H follow for any k and d, as k changes h_0 only.
 struct ResponseSums {
   double first = 0, later_sum = 0, later_squares = 0, dc = 0;

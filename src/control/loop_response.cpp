@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "control/loop.hpp"
 #include "filter/run/cascade.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 
@@ -134,6 +135,16 @@ bool has_loop(const Control& control, const Chain& chain, std::size_t joint) {
   return c.acts() && (c.inertia || has_masses(chain));
 }
 
+namespace {
+
+/// @param sign  of the response to an error: -L/(1 + L) and -C/(1 + L)
+ResponseNorms certified(const Filter& f, double sign) {
+  const Norms n = norms(f);
+  return {n.l1.upper, n.h2, sign * n.dc_gain};
+}
+
+}  // namespace
+
 const KnownResponse& response_at(const Control& control, const Chain& chain, std::size_t joint,
                                  const Eigen::VectorXd& q) {
   struct Kept {
@@ -151,6 +162,11 @@ const KnownResponse& response_at(const Control& control, const Chain& chain, std
     r = loop_response(control.joints[joint], inertia, control.sample_rate, control.samples_of_delay());
   kept.known.motion = response_norms(r, &LoopResponse::motion);
   kept.known.torque = response_norms(r, &LoopResponse::torque);
+  if (!control.joints[joint].inertia) return kept.known;
+  // Once for all configurations: exact also of a loop that decays too slowly for the recursion.
+  const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, inertia));
+  kept.known.motion = loop ? certified(loop->motion, -1) : ResponseNorms{endless, endless, endless};
+  kept.known.torque = loop ? certified(loop->torque, -1) : ResponseNorms{endless, endless, endless};
   return kept.known;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "control/control.hpp"
@@ -37,10 +38,12 @@ double inertia_at(const Control&, const Chain&, std::size_t joint, const Eigen::
 /// Whether the joint's loop can be closed: it has a controller, and its inertia is known.
 bool has_loop(const Control&, const Chain&, std::size_t joint);
 
-/// A joint's response and its norms.
+/// A joint's response and its norms: certified where the inertia is stated, else those of the recursion.
 struct KnownResponse {
   LoopResponse response;
-  ResponseNorms motion, torque;
+  ResponseNorms motion, torque;  ///< infinite of an unstable loop
+
+  bool stable() const { return std::isfinite(motion.l1); }
 };
 
 /// The response at a configuration; the last one of each joint and thread is kept, as neighbouring signals

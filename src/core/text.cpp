@@ -140,6 +140,12 @@ std::string fixed_point(double value, int decimals) {
   return printed(value, std::chars_format::fixed, decimals);
 }
 
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  return begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
 double rounded_to(double value, int digits) {
   const std::string text = printed(value, std::chars_format::scientific, digits - 1);
   double rounded = value;

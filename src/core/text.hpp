@@ -76,6 +76,9 @@ std::string readable(double value, const std::string& unit);
 /// The nearest double with `digits` significant decimal digits; `value` itself if it is not finite.
 double rounded_to(double value, int digits);
 
+/// The text without the blanks, tabulators and line ends around it.
+std::string_view trimmed(std::string_view text);
+
 /// Two hexadecimal digits in upper case, such as `0A`.
 std::string hexadecimal(unsigned char byte);
 

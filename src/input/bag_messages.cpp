@@ -89,30 +89,30 @@ void joint_state(FieldReader& in, const std::string& topic, Samples& samples) {
   samples.push_back(std::move(sample));
 }
 
-void pose(FieldReader& in, const std::string& topic, Samples& samples) {
+/// A position behind a header. @param path  of its column, behind the topic
+void add_position(FieldReader& in, const std::string& topic, const char* path, Samples& samples,
+                  bool of_frame = false) {
   BagSample sample{topic, in.header(), {}};
-  add_point(in, topic + "/pose/position", sample);
+  if (of_frame) in.text();
+  add_point(in, topic + path, sample);
   samples.push_back(std::move(sample));
+}
+
+void pose(FieldReader& in, const std::string& topic, Samples& samples) {
+  add_position(in, topic, "/pose/position", samples);
 }
 
 /// PoseWithCovarianceStamped has a pose in its pose.
 void covariant_pose(FieldReader& in, const std::string& topic, Samples& samples) {
-  BagSample sample{topic, in.header(), {}};
-  add_point(in, topic + "/pose/pose/position", sample);
-  samples.push_back(std::move(sample));
+  add_position(in, topic, "/pose/pose/position", samples);
 }
 
 void odometry(FieldReader& in, const std::string& topic, Samples& samples) {
-  BagSample sample{topic, in.header(), {}};
-  in.text();
-  add_point(in, topic + "/pose/pose/position", sample);
-  samples.push_back(std::move(sample));
+  add_position(in, topic, "/pose/pose/position", samples, true);
 }
 
 void point(FieldReader& in, const std::string& topic, Samples& samples) {
-  BagSample sample{topic, in.header(), {}};
-  add_point(in, topic + "/point", sample);
-  samples.push_back(std::move(sample));
+  add_position(in, topic, "/point", samples);
 }
 
 void transform(FieldReader& in, const std::string& topic, Samples& samples) {

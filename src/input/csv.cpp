@@ -14,12 +14,6 @@ namespace {
 /// Zeros after the last byte: no number or text contains one, so that scanning stops there.
 constexpr std::size_t padding = 16;
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// Moves a place over a text; its column counts code points.
 void advance(Place& place, const char* begin, const char* end) {
   const char* start = begin;
@@ -43,7 +37,7 @@ ColumnName column_name(const std::string& cell) {
   if (open == std::string::npos || !text.ends_with(']')) return {text, {}};
   const std::size_t last = text.find_last_not_of(" \t\r", open - 1);
   return {open == 0 || last == std::string::npos ? std::string() : text.substr(0, last + 1),
-          trimmed(text.substr(open + 1, text.size() - open - 2))};
+          std::string(trimmed(text.substr(open + 1, text.size() - open - 2)))};
 }
 
 CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)

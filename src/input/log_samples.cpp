@@ -12,6 +12,14 @@
 
 namespace qerr {
 
+std::vector<std::string> format_warnings(const CsvReader& table, const std::string& stamps) {
+  std::vector<std::string> all;
+  if (const std::string format = table.recognized(); !format.empty())
+    all.push_back(table.file() + ": " + format);
+  if (!stamps.empty()) all.push_back(stamps);
+  return all;
+}
+
 StampReader::StampReader(const CsvReader& table, std::size_t column, std::size_t text,
                          const std::string& unit, LogClock& clock)
     : table_(table),
@@ -154,13 +162,7 @@ class WideSamples : public LogSamples {
       if (signal < row.size()) texts.push_back(std::move(row[signal]));
     return texts;
   }
-  std::vector<std::string> warnings() const override {
-    std::vector<std::string> all;
-    if (const std::string format = table_->recognized(); !format.empty())
-      all.push_back(table_->file() + ": " + format);
-    if (!stamps_.empty()) all.push_back(stamps_);
-    return all;
-  }
+  std::vector<std::string> warnings() const override { return format_warnings(*table_, stamps_); }
 
  private:
   std::unique_ptr<CsvReader> table_;

@@ -55,7 +55,7 @@ class LogSamples {
   virtual std::vector<std::string> first_texts(std::size_t signal) const = 0;
 
   virtual const ByteSource& source() const = 0;
-  /// Of the file, and of the topic of a bag.
+  /// The name of the file, and of the topic of a bag.
   virtual std::string name() const { return source().name(); }
   /// Bytes read.
   virtual std::uint64_t position() const { return source().position(); }
@@ -82,6 +82,9 @@ std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, const LogR
 /// header nor mapping gives it.
 /// @returns what was recognized, for a warning; "" if nothing was
 std::string recognize_stamps(const CsvReader&, std::size_t column, ColumnMeaning&);
+
+/// The format of a table that is no plain one, and what was recognized of its time stamps.
+std::vector<std::string> format_warnings(const CsvReader&, const std::string& stamps);
 
 /// The unit of stamps that are whole numbers and follow each other at a rate of a robot's log, 5 Hz to 20
 /// kHz, in no other unit; "" if there is none, or several.

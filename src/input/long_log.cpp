@@ -101,10 +101,7 @@ class LongSamples : public LogSamples {
     return texts;
   }
   std::vector<std::string> warnings() const override {
-    std::vector<std::string> all;
-    if (const std::string format = table_->recognized(); !format.empty())
-      all.push_back(table_->file() + ": " + format);
-    if (!stamps_.empty()) all.push_back(stamps_);
+    std::vector<std::string> all = format_warnings(*table_, stamps_);
     if (!ordered_)
       all.push_back(table_->file() + ": its rows are not in the order of time; they are sorted by time");
     return all;

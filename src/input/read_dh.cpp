@@ -20,11 +20,6 @@ struct DhEntry {
   double sign = 1, offset = 0;
 };
 
-std::string_view without_blanks(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(' ');
-  return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(' ') + 1 - first);
-}
-
 bool is_variable(std::string_view word) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !word.empty() && letter(word.front()) && std::all_of(word.begin(), word.end(), [&](char c) {
@@ -34,11 +29,11 @@ bool is_variable(std::string_view word) {
 
 /// `-q2`, or a variable without sign. @returns whether the word is one
 bool read_variable(std::string_view word, DhEntry& entry) {
-  word = without_blanks(word);
+  word = trimmed(word);
   double sign = 1;
   if (!word.empty() && (word.front() == '-' || word.front() == '+')) {
     sign = word.front() == '-' ? -1 : 1;
-    word = without_blanks(word.substr(1));
+    word = trimmed(word.substr(1));
   }
   if (!is_variable(word)) return false;
   entry.joint = std::string(word);
@@ -51,7 +46,7 @@ std::optional<double> quantity_of(std::string text, Dimension dimension) {
   if (const std::size_t blank = text.find_first_not_of(' ', 1); !text.empty() && blank != std::string::npos)
     if (text.front() == '-' || text.front() == '+') text.erase(1, blank - 1);
   std::string why;
-  const auto quantity = parse_quantity(without_blanks(text), why);
+  const auto quantity = parse_quantity(trimmed(text), why);
   if (!quantity || quantity->dimension.value_or(dimension) != dimension) return std::nullopt;
   return quantity->value;
 }

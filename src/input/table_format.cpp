@@ -17,12 +17,6 @@ constexpr std::size_t most_sampled = 200;  // lines that decide on a format: mor
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::string_view trimmed_view(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// A line of the sample.
 struct SampleLine {
   std::string_view text;
@@ -58,7 +52,7 @@ std::vector<SampleLine> lines_of(std::string_view head) {
     const bool comment = head[at] == '#';
     const std::size_t end = comment ? std::min(head.find('\n', at), head.size()) : end_of_record(head, at);
     const std::string_view text = head.substr(at, end - at);
-    if (!trimmed_view(text).empty()) lines.push_back({text, at, number, comment});
+    if (!trimmed(text).empty()) lines.push_back({text, at, number, comment});
     number += 1 + static_cast<int>(std::count(text.begin(), text.end(), '\n'));
     at = end + 1;
   }
@@ -70,7 +64,7 @@ std::vector<SampleLine> lines_of(std::string_view head) {
 std::vector<std::string_view> cells_by(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
   const auto separates = [&](char c) { return c == separator || (separator == ' ' && c == '\t'); };
-  if (separator == ' ') line = trimmed_view(line);
+  if (separator == ' ') line = trimmed(line);
   for (std::size_t at = 0;; ++at) {
     while (at < line.size() && is_space(line[at]) && (separator == ' ' || !separates(line[at]))) ++at;
     std::size_t end = at;
@@ -110,14 +104,15 @@ LineCells counted_cells(std::string_view line, char separator, char decimal) {
   return c;
 }
 
-struct Candidate {
+/// A way to separate the cells of a table, and how well it does.
+struct Separation {
   char separator, decimal;
   std::int64_t score = 0;
   std::size_t cells = 0;
 };
 
 /// Numbers minus texts in the lines of the most frequent width.
-void rate(Candidate& c, const std::vector<SampleLine>& lines) {
+void rate(Separation& c, const std::vector<SampleLine>& lines) {
   struct Width {
     std::size_t rows = 0;
     std::int64_t score = 0;
@@ -219,9 +214,9 @@ bool has_quoted_commas(const std::vector<SampleLine>& lines) {
 }  // namespace
 
 std::string_view bare_cell(std::string_view cell) {
-  cell = trimmed_view(cell);
+  cell = trimmed(cell);
   if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-    cell = trimmed_view(cell.substr(1, cell.size() - 2));
+    cell = trimmed(cell.substr(1, cell.size() - 2));
   return cell;
 }
 
@@ -285,12 +280,12 @@ bool remove_thousands(std::string& cell) {
 TableFormat recognize_table(std::string_view head) {
   TableFormat f;
   const std::vector<SampleLine> lines = lines_of(head);
-  std::array<Candidate, 8> candidates{Candidate{',', '.'}, {';', '.'}, {';', ','}, {'\t', '.'},
-                                      {'\t', ','},         {' ', '.'}, {' ', ','}, {',', ','}};
-  for (Candidate& c : candidates) rate(c, lines);
+  std::array<Separation, 8> candidates{Separation{',', '.'}, {';', '.'}, {';', ','}, {'\t', '.'},
+                                       {'\t', ','},          {' ', '.'}, {' ', ','}, {',', ','}};
+  for (Separation& c : candidates) rate(c, lines);
   if (!has_quoted_commas(lines)) candidates.back().score = 0;
-  const Candidate* best = candidates.data();
-  for (const Candidate& c : candidates)
+  const Separation* best = candidates.data();
+  for (const Separation& c : candidates)
     if (c.score > std::max<std::int64_t>(best->score, 0)) best = &c;
   f.separator = best->separator;
   f.decimal = best->decimal;

@@ -37,7 +37,7 @@ bool is_numeric(std::string_view text, char decimal);
 /// `1.200` or `12.500 mm`: three digits behind a point, which may be that of thousands.
 bool may_be_thousands(std::string_view cell);
 
-/// Of such a number in a table of decimal commas.
+/// The fault that asks about such a number in a table of decimal commas.
 Fault ambiguous_point(const Place&, const std::string& key, const std::string& cell);
 
 /// Makes the decimal comma of `12,5` or `0,05 deg` a point. @returns false for a text that has none

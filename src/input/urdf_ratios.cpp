@@ -25,12 +25,6 @@ const UrdfElement* ratio_in(const UrdfElement& element) {
   return nullptr;
 }
 
-std::string trimmed(const std::string& text) {
-  constexpr const char* blank = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(blank);
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(blank) - begin + 1);
-}
-
 /// The number of a reduction; empty if it is none, or 0.
 std::optional<double> number_of(const UrdfElement& ratio) {
   const auto value = parse_number(trimmed(ratio.text));
@@ -44,7 +38,7 @@ bool is_placeholder(double ratio) { return std::abs(ratio) == 1; }
 std::string word_of(const UrdfElement& element, const char* key) {
   if (const UrdfAttribute* attribute = element.attribute(key)) return attribute->value;
   const UrdfElement* child = element.child(key);
-  return child ? trimmed(child->text) : "";
+  return child ? std::string(trimmed(child->text)) : "";
 }
 
 /// `DifferentialTransmission` of `transmission_interface/DifferentialTransmission`.
@@ -178,9 +172,10 @@ const UrdfElement* UrdfReader::only_reduction(const std::vector<const UrdfElemen
       chosen = ratio;
       owner = candidate;
     } else if (!is_placeholder(value) && value != before) {
-      flaws_.warn(*ratio, "joint " + quoted(joint), "the transmission states two mechanical reductions",
-                  quoted(trimmed(chosen->text)) + " and " + quoted(trimmed(ratio->text)),
-                  "that of the <" + owner->name + "> is used, as ROS uses it");
+      flaws_.warn(
+          *ratio, "joint " + quoted(joint), "the transmission states two mechanical reductions",
+          quoted(std::string(trimmed(chosen->text))) + " and " + quoted(std::string(trimmed(ratio->text))),
+          "that of the <" + owner->name + "> is used, as ROS uses it");
     }
   }
   return chosen;
@@ -233,7 +228,7 @@ void UrdfReader::settle_ratio(Joint& joint, const std::vector<const UrdfElement*
     const auto value = number_of(*element);
     if (!value) {
       flaws_.warn(*element, key, "the mechanical reduction must be a number other than 0",
-                  quoted(trimmed(element->text)), "it is ignored");
+                  quoted(std::string(trimmed(element->text))), "it is ignored");
     } else if (is_placeholder(*value)) {
       placeholder = value;
     } else if (ratio.value_or(*value) != *value) {

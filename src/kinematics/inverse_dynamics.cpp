@@ -13,6 +13,17 @@ struct Link {
   Eigen::Vector3d force, moment;  ///< inertial and gravity wrench of the load, moment about its center
 };
 
+/// Moves a pose from one joint's frame to the next one's, at the joint's coordinate s. @returns its axis
+Eigen::Vector3d move_behind(Eigen::Isometry3d& pose, const ChainJoint& joint, double s) {
+  pose = pose * joint.origin;
+  const Eigen::Vector3d axis = pose.linear() * joint.axis;
+  if (joint.prismatic)
+    pose.translate(s * joint.axis);
+  else
+    pose.rotate(Eigen::AngleAxisd(s, joint.axis));
+  return axis;
+}
+
 }  // namespace
 
 Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
@@ -26,12 +37,7 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
     const auto i = static_cast<Eigen::Index>(joint.coordinate);
     const double s = joint.multiplier * q[i] + joint.offset;
     const double v = joint.multiplier * velocity[i], dv = joint.multiplier * acceleration[i];
-    pose = pose * joint.origin;
-    const Vector3d axis = pose.linear() * joint.axis;
-    if (joint.prismatic)
-      pose.translate(s * joint.axis);
-    else
-      pose.rotate(Eigen::AngleAxisd(s, joint.axis));
+    const Vector3d axis = move_behind(pose, joint, s);
     const Vector3d step = pose.translation() - origin;
     a += alpha.cross(step) + w.cross(w.cross(step));
     origin = pose.translation();
@@ -68,12 +74,7 @@ double inertia_at(const Chain& chain, std::size_t independent, const Eigen::Vect
   double twice_energy = 0;
   for (const ChainJoint& joint : chain.joints) {
     const double s = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
-    pose = pose * joint.origin;
-    const Vector3d axis = pose.linear() * joint.axis;
-    if (joint.prismatic)
-      pose.translate(s * joint.axis);
-    else
-      pose.rotate(Eigen::AngleAxisd(s, joint.axis));
+    const Vector3d axis = move_behind(pose, joint, s);
     v += w.cross(pose.translation() - origin);
     origin = pose.translation();
     if (joint.coordinate == independent) (joint.prismatic ? v : w) += joint.multiplier * axis;

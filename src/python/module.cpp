@@ -5,12 +5,13 @@
 #include <condition_variable>
 #include <fstream>
 #include <mutex>
-#include <sstream>
+#include <numeric>
 #include <thread>
 
 #include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "core/run_files.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/write.hpp"
@@ -103,49 +104,23 @@ void translate(std::exception_ptr failure) {
   }
 }
 
-/// The columns of a CSV file of numbers that qerr has written, such as a log, by their names. An empty cell
-/// is nan; a column with other words is a list of them.
+/// The columns of a CSV file of numbers, such as a log, by their names; an empty cell is nan.
 py::dict columns(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  std::getline(file, line);
-  const auto cells = [](std::string& text) {
-    if (text.ends_with('\r')) text.pop_back();
-    Words all;
-    std::istringstream stream(text);
-    for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
-    if (text.ends_with(',')) all.emplace_back();
-    return all;
-  };
-  const Words names = cells(line);
-  std::vector<std::vector<double>> numbers(names.size());
-  std::vector<Words> words(names.size());
-  while (std::getline(file, line)) {
-    const Words row = cells(line);
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      const std::string cell = c < row.size() ? row[c] : "";
-      const auto number =
-          cell.empty() ? std::optional(std::numeric_limits<double>::quiet_NaN()) : qerr::parse_number(cell);
-      if (number && words[c].empty())
-        numbers[c].push_back(*number);
-      else if (words[c].empty() && !numbers[c].empty())
-        throw py::value_error(path + ": a column has numbers and words");
-      else
-        words[c].push_back(cell);
-    }
-  }
-  py::dict all;
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    if (!words[c].empty()) {
-      all[names[c].c_str()] = words[c];
-      continue;
-    }
+  qerr::CsvReader table(path, {.empty_cells = true});
+  std::vector<std::size_t> all(table.header().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  table.choose(all);
+  std::vector<std::vector<double>> numbers(all.size());
+  for (std::vector<double> row(all.size()); table.next(row.data());)
+    for (const std::size_t c : all) numbers[c].push_back(row[c]);
+  py::dict arrays;
+  for (const std::size_t c : all) {
     auto* values = new std::vector<double>(std::move(numbers[c]));
     const py::capsule owner(values, [](void* p) { delete static_cast<std::vector<double>*>(p); });
-    all[names[c].c_str()] =
+    arrays[table.header()[c].c_str()] =
         py::array_t<double>(static_cast<py::ssize_t>(values->size()), values->data(), owner);
   }
-  return all;
+  return arrays;
 }
 
 /// Writes columns as a log that the program reads.

@@ -89,6 +89,34 @@ std::complex<double> open_loop_at(const Loop& l, double frequency) {
   return value(open.b) / value(open.a);
 }
 
+TEST(Loop, OfAStatedInertiaHasCertifiedNormsHoweverSlowItIs) {
+  Chain chain;
+  chain.independent.push_back({.name = "j", .limits = {}});
+  const Eigen::VectorXd q = Eigen::VectorXd::Zero(1);
+  for (unsigned seed = 0; seed < random_loops; ++seed) {
+    Control c = random_control(1000 + seed);
+    const std::optional<ClosedLoop> loop = closed(loop_of(c));
+    const KnownResponse& known = response_at(c, chain, 0, q);
+    EXPECT_EQ(known.stable(), loop.has_value()) << seed;
+    if (!loop) continue;
+    EXPECT_EQ(known.motion.l1, l1_norm(loop->motion).upper) << seed;
+    if (!known.response.stable) continue;  // it has not decayed within the samples of the recursion
+    EXPECT_NEAR(known.torque.h2, response_norms(known.response, &LoopResponse::torque).h2,
+                1e-8 * known.torque.h2)
+        << seed;
+    EXPECT_NEAR(known.motion.dc, response_norms(known.response, &LoopResponse::motion).dc, 1e-8) << seed;
+  }
+  // A stiffness so small that the motion takes hours to decay: stable, with the norms of what it is.
+  Control slow = random_control(1);
+  slow.joints[0].kp *= 1e-6;
+  slow.joints[0].damping = *slow.joints[0].inertia * slow.sample_rate;
+  slow.id = 5000;
+  const KnownResponse& known = response_at(slow, chain, 0, q);
+  EXPECT_TRUE(known.stable());
+  EXPECT_FALSE(known.response.stable);
+  EXPECT_NEAR(known.motion.dc, -1, 1e-6);
+}
+
 TEST(Loop, IsStableBelowItsGainMarginAndUnstableAbove) {
   for (unsigned seed = 0; seed < random_loops; ++seed) {
     const Control c = random_control(seed);

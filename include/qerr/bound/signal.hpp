@@ -47,8 +47,8 @@ struct SignalKind {
   double (*remainder)(const OperationalModel&, std::size_t index, const Eigen::VectorXd& worst_case);
   bool constant = false;  ///< c is the same at all configurations
   bool joints = false;    ///< signal i is the coordinate of independent joint i: filters of joints pass it
-  /// Of a signal that depends on the past of the errors, as in a closed loop: the norms of its transfer
-  /// functions at q. Its bounds follow from them, and no filter passes it. Null: c is all.
+  /// The norms of the transfer functions at q, of a signal that depends on the past of the errors, as in a
+  /// closed loop. Its bounds follow from them, and no filter passes it. Null: c is all.
   /// @param moved  derivative of the independent joints with respect to each error
   SignalNorms (*norms)(const OperationalModel&, std::size_t index, const Eigen::VectorXd& q,
                        const Eigen::MatrixXd& moved) = nullptr;

@@ -32,22 +32,25 @@ SignalNorms loop_norms(const OperationalModel& m, const Eigen::RowVectorXd& row,
   for (Eigen::Index e = 0; e < moved.cols(); ++e) {
     std::vector<const std::vector<double>*> responses;
     std::vector<double> weights;
-    const KnownResponse* only = nullptr;
+    ResponseNorms sum;  // of the triangle inequality
+    bool decayed = true;
     for (Eigen::Index j = 0; j < row.size(); ++j) {
       const double weight = row[j] * moved(j, e);
       if (weight == 0) continue;
-      only = &response_at(*m.control, m.chain, static_cast<std::size_t>(j), q);
-      responses.push_back(torque ? &only->response.torque : &only->response.motion);
+      const KnownResponse& at = response_at(*m.control, m.chain, static_cast<std::size_t>(j), q);
+      const ResponseNorms& own = torque ? at.torque : at.motion;
+      responses.push_back(torque ? &at.response.torque : &at.response.motion);
       weights.push_back(weight);
-      if (!only->response.stable) break;  // unbounded, whatever the others do
+      decayed = decayed && at.response.stable;
+      sum.l1 += std::abs(weight) * own.l1;
+      sum.h2 += std::abs(weight) * own.h2;
+      sum.dc += weight * own.dc;
     }
-    if (!only) continue;
-    const bool one = weights.size() == 1 || !only->response.stable;
-    const double factor = one ? weights.back() : 1;
-    const ResponseNorms r = !one ? norms_of_sum(responses, weights) : torque ? only->torque : only->motion;
-    n.l1[e] = std::abs(factor) * r.l1;
-    n.h2[e] = std::abs(factor) * r.h2;
-    n.dc[e] = factor * r.dc;
+    // Of several loops the responses themselves are added, if the recursion has them all.
+    if (weights.size() > 1 && decayed) sum = norms_of_sum(responses, weights);
+    n.l1[e] = sum.l1;
+    n.h2[e] = sum.h2;
+    n.dc[e] = sum.dc;
   }
   return n;
 }

@@ -1,6 +1,7 @@
 #include <stdexcept>
 
 #include "cli/help/page.hpp"
+#include "core/text.hpp"
 
 namespace qerr::cli {
 
@@ -16,12 +17,6 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-std::string trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(' ');
-  if (begin == std::string_view::npos) return "";
-  return std::string(text.substr(begin, text.find_last_not_of(' ') - begin + 1));
-}
-
 /// `| a | b |`; `\|` is a bar in a cell.
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;
@@ -29,7 +24,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   for (std::size_t i = 1; i < line.size(); ++i) {
     const bool escaped_bar = line[i] == '\\' && i + 1 < line.size() && line[i + 1] == '|';
     if (line[i] == '|') {
-      cells.push_back(trimmed(cell));
+      cells.emplace_back(trimmed(cell));
       cell.clear();
     } else {
       cell += line[escaped_bar ? ++i : i];
@@ -68,7 +63,7 @@ class Reader {
   }
 
   std::string joined_lines(std::string text) {
-    while (continues()) text += ' ' + trimmed(lines_[at_++]);
+    while (continues()) text.append(1, ' ').append(trimmed(lines_[at_++]));
     return text;
   }
 
@@ -83,7 +78,7 @@ class Reader {
       table();
     } else if (starts("<!-- list ")) {
       const std::string& line = lines_[at_++];
-      add_list(page_, trimmed(line.substr(10, line.find(" -->") - 10)));
+      add_list(page_, std::string(trimmed(line.substr(10, line.find(" -->") - 10))));
     } else if (starts("- ")) {
       const std::string first = lines_[at_++].substr(2);
       page_.blocks.push_back({.kind = Block::Kind::item, .text = joined_lines(first)});

@@ -81,4 +81,16 @@ void describe(Page& page, const Spec& spec, const std::optional<std::vector<Requ
   page.about = "<dl class=\"about\">" + rows + "</dl>\n";
 }
 
+Bars use_of_limits(const std::vector<Requirement>& requirements,
+                   const std::vector<RequirementResult>& results) {
+  Bars bars{"Part of the limit that is used",
+            "The value over the limit; for a lower limit the limit over the value. A requirement is "
+            "met up to 100 %.",
+            {{"the limit", 1, percent(1)}}};
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (const auto part = part_of_limit(requirements[i], results[i]))
+      bars.bars.push_back({requirements[i].name(), *part, percent(*part)});
+  return bars;
+}
+
 }  // namespace qerr::page

@@ -22,9 +22,10 @@ Eigen::MatrixXd first_configurations(const Spec& spec) {
   return draw(spec.configurations, 0, std::min(most_configurations, size(spec.configurations)));
 }
 
+constexpr int sampled_inertias = 9;
+
 /// Inertias from the least to the largest of a joint, in equal ratios: margins vary smoothly between them.
 std::vector<double> inertias_of(LoopReport& r, const Spec& spec, const Eigen::MatrixXd& configurations) {
-  constexpr int count = 9;
   const Control& control = *spec.model.control;
   r.least_inertia = std::numeric_limits<double>::infinity();
   for (Eigen::Index c = 0; c < configurations.cols(); ++c) {
@@ -37,7 +38,8 @@ std::vector<double> inertias_of(LoopReport& r, const Spec& spec, const Eigen::Ma
   constexpr double rounding = 1e-9;
   if (!(ratio > 1 + rounding)) return {r.least_inertia};
   std::vector<double> all;
-  for (int i = 0; i < count; ++i) all.push_back(r.least_inertia * std::pow(ratio, i / (count - 1.0)));
+  for (int i = 0; i < sampled_inertias; ++i)
+    all.push_back(r.least_inertia * std::pow(ratio, i / (sampled_inertias - 1.0)));
   return all;
 }
 
@@ -72,26 +74,6 @@ void keep_largest(LimitCycle& c, const LimitCycle& other) {
   }
 }
 
-/// ||L/(1 + L)||_1 and ||C/(1 + L)||_1.
-struct ClosedNorms {
-  double motion, torque;
-};
-
-/// @param certified  by the norms of filters, else by the recursion, which takes 1/100 of the time
-std::optional<ClosedNorms> closed_norms(const Control& control, std::size_t joint, double inertia,
-                                        bool certified) {
-  if (certified) {
-    const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, inertia));
-    if (!loop) return std::nullopt;
-    return ClosedNorms{l1_norm(loop->motion).upper, l1_norm(loop->torque).upper};
-  }
-  const LoopResponse r =
-      loop_response(control.joints[joint], inertia, control.sample_rate, control.samples_of_delay());
-  if (!r.stable) return std::nullopt;
-  return ClosedNorms{response_norms(r, &LoopResponse::motion).l1,
-                     response_norms(r, &LoopResponse::torque).l1};
-}
-
 LoopReport loop_report(const Spec& spec, std::size_t joint, const Eigen::MatrixXd& configurations) {
   LoopReport r;
   r.joint = joint;
@@ -100,17 +82,18 @@ LoopReport loop_report(const Spec& spec, std::size_t joint, const Eigen::MatrixX
   const double count =
       spec.model.transmission.coupling.row(row).cwiseAbs().dot(resolutions(spec.model.transmission));
   const double step = largest_step(controller_of(control.joints[joint], control.sample_rate));
-  const std::vector<double> inertias = inertias_of(r, spec, configurations);
-  for (const double inertia : inertias) {
-    const LoopMargins m = margins(loop_of(control, joint, inertia));
-    const auto bounds = m.stable ? closed_norms(control, joint, inertia, inertias.size() == 1) : std::nullopt;
-    if (!bounds) {
+  for (const double inertia : inertias_of(r, spec, configurations)) {
+    const Loop open = loop_of(control, joint, inertia);
+    const LoopMargins m = margins(open);
+    const std::optional<ClosedLoop> loop = m.stable ? closed(open) : std::nullopt;
+    if (!loop) {
       r.stable = false;
       r.unstable_inertia = inertia;
       r.margins = m;
       return r;
     }
-    const LimitCycle cycle = limit_cycle(m, bounds->motion, bounds->torque, step, count);
+    const LimitCycle cycle =
+        limit_cycle(m, l1_norm(loop->motion).upper, l1_norm(loop->torque).upper, step, count);
     if (r.stable) {
       keep_least(r.margins, m);
       keep_largest(r.cycle, cycle);
@@ -311,14 +294,17 @@ std::string loop_table(const Spec& spec, const ControlReport& report, const Styl
                     c.on_edge ? readable(c.edge_amplitude, unit) + " at " + hertz(c.frequency) : "no",
                     readable(c.torque_step, torque)});
   }
-  return heading("Loops, at the worst inertia of the configurations", style) +
+  const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
+                                   [](const LoopReport& l) { return l.largest_inertia > l.least_inertia; });
+  const std::string of_inertias = std::to_string(sampled_inertias) + " inertias between these ends";
+  return heading(sampled ? "Loops, at the worst of " + of_inertias : "Loops", style) +
          fitted_table(rows, style.width) +
-         wrapped(
-             "limit cycle at most: proven, whatever the motion; predicted: by the describing function of "
-             "rounding; Coulomb friction above torque.JOINT.worst_case ends one between two counts, where "
-             "the "
-             "torque is never larger",
-             style.width, "  ");
+         wrapped("limit cycle at most: " +
+                     (sampled ? "whatever the motion, at " + of_inertias + "; not proven between them"
+                              : std::string("proven, whatever the motion")) +
+                     "; predicted: by the describing function of rounding; Coulomb friction above "
+                     "torque.JOINT.worst_case ends one between two counts, where the torque is never larger",
+                 style.width, "  ");
 }
 
 std::string wall_table(const Spec& spec, const ControlReport& report, const Style& style) {
@@ -351,7 +337,9 @@ std::string gain_lines(const Spec& spec, const ControlReport& report, const Styl
             (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
             " (" + g.quantity + ')';
   }
-  return text.empty() ? "" : wrapped("largest kd that meets the requirements: " + text, style.width, "  ");
+  return text.empty()
+             ? ""
+             : wrapped("largest kd that meets the requirements, loop open: " + text, style.width, "  ");
 }
 
 }  // namespace

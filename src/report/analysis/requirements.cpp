@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/text.hpp"
 #include "qerr/report/write.hpp"
@@ -238,6 +239,25 @@ std::string limit_text(const Requirement& r) {
 }
 
 }  // namespace
+
+double margin(double value, double limit, bool at_least) {
+  const double distance = at_least ? value - limit : limit - value;
+  return limit != 0 ? distance / std::abs(limit) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double margin(const Requirement& r, const RequirementResult& result) {
+  return margin(result.value, r.limit, r.at_least);
+}
+
+std::string margin_text(const Requirement& r, const RequirementResult& result) {
+  const double part = margin(r, result);
+  return std::isnan(part) ? "" : percent(part);
+}
+
+std::optional<double> part_of_limit(const Requirement& r, const RequirementResult& result) {
+  const double part = r.at_least ? r.limit / result.value : result.value / r.limit;
+  return r.limit > 0 && std::isfinite(part) && part >= 0 ? std::optional(part) : std::nullopt;
+}
 
 std::string limited(const Requirement& r) {
   return r.name() + (r.at_least ? " >= " : " <= ") + limit_text(r);

@@ -34,6 +34,16 @@ std::string figures_of_some(const Spec&, unsigned threads);
 /// second.
 std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec&);
 
+/// How far a value is within its limit, relative to it; negative if it is beyond, NaN for a limit of 0.
+double margin(double value, double limit, bool at_least);
+double margin(const Requirement&, const RequirementResult&);
+/// The margin for people; "" if there is none.
+std::string margin_text(const Requirement&, const RequirementResult&);
+
+/// The part of a limit that a value takes: value over limit, of a lower limit limit over value. A requirement
+/// is met up to 1; empty for a limit that is not positive, and a value that is unbounded or of another sign.
+std::optional<double> part_of_limit(const Requirement&, const RequirementResult&);
+
 /// Refuses limits of quantities that no error reaches: 0 at all configurations, whatever the encoders; or
 /// that only the rounding of the URDF's angles lets it reach.
 /// @param key  that states them

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "report/analysis/about.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
@@ -17,18 +18,6 @@ namespace {
 
 std::string word_of(const RequirementResult& r) {
   return r.met ? "met" : r.undecided ? "not proven" : "NOT MET";
-}
-
-/// Of a limit, the part that a figure takes: beyond 1 it is exceeded. Empty for a lower limit of 0 or an
-/// unbounded figure.
-std::optional<double> used(const Requirement& r, const RequirementResult& result) {
-  const double part = r.at_least ? r.limit / result.value : result.value / r.limit;
-  return std::isfinite(part) && part >= 0 ? std::optional(part) : std::nullopt;
-}
-
-std::string used_text(const Requirement& r, const RequirementResult& result) {
-  const auto part = used(r, result);
-  return part ? percent(*part) : "-";
 }
 
 std::string title_of(const CheckReport& report) {
@@ -49,7 +38,7 @@ std::string answer_of(const CheckReport& report) {
     for (std::size_t i = 0; i < check.results.size(); ++i) {
       const Requirement& r = check.analysis.spec.requirements[i];
       ++all, met += check.results[i].met;
-      if (const auto part = used(r, check.results[i]); part && *part > largest)
+      if (const auto part = part_of_limit(r, check.results[i]); part && *part > largest)
         largest = *part, tightest = &r, where = check.analysis.spec.file;
     }
   }
@@ -66,22 +55,17 @@ std::string answer_of(const CheckReport& report) {
 
 std::string results_of(const SpecCheck& check) {
   const Spec& spec = check.analysis.spec;
-  page::Bars bars{"Part of each limit that is taken",
-                  "Beyond 100 % a requirement is not met.",
-                  {{"the limit", 1, percent(1)}}};
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = spec.requirements[i];
     const RequirementResult& result = check.results[i];
     const bool located = !r.at_least && result.at_max.size() > 0;
-    rows.push_back({limited(r), word_of(result), readable(result.value, r.unit), used_text(r, result),
+    rows.push_back({limited(r), word_of(result), readable(result.value, r.unit), margin_text(r, result),
                     located ? largest_place(check.analysis, result.at_max) : ""});
-    if (const auto part = used(r, result))
-      bars.bars.push_back({limited(r), *part, readable(result.value, r.unit) + ", " + percent(*part)});
   }
-  std::string out =
-      page::isolated_table({"requirement", "verdict", "value", "of its limit", "configuration"}, rows);
-  return bars.bars.size() > 1 ? page::side_by_side(figure(bars)) + out : out;
+  const page::Bars bars = page::use_of_limits(spec.requirements, check.results);
+  return (bars.bars.size() == 1 ? "" : page::side_by_side(figure(bars))) +
+         page::isolated_table({"requirement", "verdict", "value", "margin", "configuration"}, rows);
 }
 
 std::string baseline_of_page(const BaselineCheck& b) {
@@ -103,7 +87,7 @@ std::string fleet_table(const CheckReport& report) {
     double largest = -1;
     for (std::size_t i = 0; i < check.results.size(); ++i) {
       met += check.results[i].met;
-      const auto part = used(check.analysis.spec.requirements[i], check.results[i]);
+      const auto part = part_of_limit(check.analysis.spec.requirements[i], check.results[i]);
       if (part && *part > largest) largest = *part, tightest = i;
     }
     const std::size_t all = check.results.size();

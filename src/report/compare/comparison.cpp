@@ -7,6 +7,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/compare/parts.hpp"
 
 namespace qerr {
@@ -132,10 +133,7 @@ std::vector<RequirementChange> requirement_changes(const NamedFigures& a, const 
 
 }  // namespace
 
-double margin(const JudgedRequirement& r) {
-  const double distance = r.at_least ? r.figure.value - r.limit : r.limit - r.figure.value;
-  return r.limit != 0 ? distance / std::abs(r.limit) : std::numeric_limits<double>::quiet_NaN();
-}
+double margin(const JudgedRequirement& r) { return margin(r.figure.value, r.limit, r.at_least); }
 
 std::optional<double> RequirementChange::flips_after() const {
   if (!flipped()) return std::nullopt;

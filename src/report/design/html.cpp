@@ -43,32 +43,16 @@ std::string chosen_section(const DesignReport& r, const Design& d) {
   return out;
 }
 
-/// Value over limit, so that all requirements share a scale: at most 1 where an upper limit is met.
-page::Bars use_of_limits(const DesignReport& r, const Design& d) {
-  page::Bars bars{"Part of the limit that is used",
-                  "The value over the limit; for a lower limit the limit over the value. A requirement is "
-                  "met up to 100 %.",
-                  {{"the limit", 1, percent(1)}}};
-  for (std::size_t i = 0; i < d.results.size(); ++i) {
-    const Requirement& q = r.spec.requirements[i];
-    const double value = d.results[i].value;
-    const double part = q.at_least ? q.limit / value : value / q.limit;
-    if (q.limit > 0 && std::isfinite(part) && part >= 0) bars.bars.push_back({q.name(), part, percent(part)});
-  }
-  return bars;
-}
-
 std::string margin_section(const DesignReport& r, const Design& d) {
   if (d.results.empty()) return "<p>The spec has no requirements.</p>";
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < d.results.size(); ++i) {
     const Requirement& q = r.spec.requirements[i];
-    const std::optional<double> margin = design_margin(q, d.results[i]);
     rows.push_back({q.name(), readable(d.results[i].value, q.unit),
                     std::string(q.at_least ? "at least " : "at most ") + readable(q.limit, q.unit),
-                    margin ? percent(*margin) : "", d.results[i].met ? "met" : "NOT MET"});
+                    margin_text(q, d.results[i]), d.results[i].met ? "met" : "NOT MET"});
   }
-  const page::Bars bars = use_of_limits(r, d);
+  const page::Bars bars = page::use_of_limits(r.spec.requirements, d.results);
   std::string out = (bars.bars.size() == 1 ? "" : figure(bars)) +
                     page::table({"requirement", "value", "limit", "margin", "verdict"}, rows);
   for (const std::size_t i : r.without_influence)

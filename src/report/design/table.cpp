@@ -70,17 +70,7 @@ std::string runner_up_sentence(const DesignReport& report) {
   return "runner-up: " + cost + ", with " + listed(changes);
 }
 
-std::optional<double> design_margin(const Requirement& r, const RequirementResult& result) {
-  if (!(r.limit > 0)) return std::nullopt;
-  return r.at_least ? result.value / r.limit - 1 : 1 - result.value / r.limit;
-}
-
 namespace {
-
-std::string margin_text(const Requirement& r, const RequirementResult& result) {
-  const std::optional<double> part = design_margin(r, result);
-  return part ? percent(*part) : "";
-}
 
 std::string requirement_table(const DesignReport& report, const Design& d, const Style& style) {
   std::vector<std::vector<std::string>> rows{

@@ -30,7 +30,4 @@ std::string optimum_sentence(const DesignReport&);
 /// @pre there is one
 std::string runner_up_sentence(const DesignReport&);
 
-/// How far a value is within its limit, relative to it; negative if it is beyond. Empty for a limit of 0.
-std::optional<double> design_margin(const Requirement&, const RequirementResult&);
-
 }  // namespace qerr

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -129,10 +128,7 @@ std::string next_step(const RobotReport& report, std::size_t width) {
 /// The joint values and the tip's pose, without exponents: ten digits tell two conventions apart.
 std::string pose_text(const PoseAtJoints& at, const Style& style) {
   const auto decimal = [](double value) {
-    char digits[40];
-    const auto end =
-        std::to_chars(digits, digits + sizeof digits, value + 0.0, std::chars_format::fixed, 10).ptr;
-    const std::string text(digits, end);
+    const std::string text = fixed_point(value, 10);
     return text == "-0.0000000000" ? text.substr(1) : text;
   };
   std::string values;
