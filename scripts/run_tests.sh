@@ -3,7 +3,7 @@
 #
 #   scripts/run_tests.sh [CTEST OPTIONS]    such as -R Filter
 #
-# The floors and the format of the sources are checked first. With CI=true warnings are errors, and a minute of fuzzing is one of
+# The floors and the format of the sources are checked first. With CI=true warnings are errors, and some fuzzing is one of
 # the tests.
 set -euo pipefail
 

@@ -189,7 +189,7 @@ robot: {{urdf: {spec.parent}/kuka_lwr.urdf}}
 encoders: {{'*': {{counts_per_rev: 4096, gear_ratio: 100}}}}
 motion:
   sample_rate: 1 kHz
-  duration: 60 s
+  duration: 20 s
   joints: {{{', '.join(f'a{i}: {{sines: [{{amplitude: 30 deg, frequency: 0.{i}3 Hz}}]}}' for i in range(1, 7))}}}
 """)
     log = simulated(t, qerr, arm, folder / "arm.csv", "effects=[{type: eccentricity, joint: a2, amplitude: 0.1 mrad, phase: 1 rad}, "
@@ -233,7 +233,7 @@ robot: {{urdf: {CONFIGS}/kuka_lwr/kuka_lwr.urdf}}
 encoders: {{'*': {{counts_per_rev: 4096, gear_ratio: 100}}}}
 motion:
   sample_rate: 1 kHz
-  duration: 60 s
+  duration: 20 s
   joints: {{{', '.join(f'{j}: {{sines: [{{amplitude: 30 deg, frequency: 0.0{k}7 Hz}}]}}' for k, j in enumerate(joints, 2))}}}
 """)
     effects = ", ".join(f"{{type: backlash, joint: {j}, gap: 1 arcmin}}, {{type: eccentricity, joint: {j}, amplitude: 0.1 mrad, "
