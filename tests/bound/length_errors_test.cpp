@@ -14,7 +14,7 @@ namespace {
 using testing::ChainMix;
 using testing::Dice;
 
-OperationalModel random_model(Dice& dice) {
+OperationalModel model_with_lengths(Dice& dice) {
   OperationalModel m{make_chain(testing::random_robot(dice, ChainMix{1 + dice.below(7)}), "", ""), {}, {}};
   m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-2, true);
   m.coordinates = {Coordinate::rz, Coordinate::x, Coordinate::ry,
@@ -59,7 +59,7 @@ double largest_length(const OperationalModel& m, const Eigen::VectorXd& q, Coord
 TEST(LengthErrors, AreThoseOfTheFarthestCornerAndTheSummedVariances) {
   Dice dice(8);
   for (int trial = 0; trial < 25; ++trial) {
-    const OperationalModel m = random_model(dice);
+    const OperationalModel m = model_with_lengths(dice);
     ErrorFigures asked;
     asked.filters = {norms(difference_filter(1000, 1)), norms(difference_filter(1000, 2))};
     BatchedError batched(m, asked);
@@ -94,7 +94,7 @@ TEST(LengthErrors, AreThoseOfTheFarthestCornerAndTheSummedVariances) {
 TEST(LengthErrors, RigorousBoundHoldsForExactKinematics) {
   Dice dice(9);
   for (int trial = 0; trial < 25; ++trial) {
-    OperationalModel m = random_model(dice);
+    OperationalModel m = model_with_lengths(dice);
     m.sources.clear();
     BatchedError batched(m, {});
     const FigureLayout& at = batched.figures();

@@ -44,6 +44,7 @@ struct Sanity {
 /// - stuck sensors, references that are constant, coarser than the encoder or unrelated to it;
 /// - trackers whose columns are exchanged, in another unit, or no positions of the tip;
 /// - stamps that are rounded, duplicate, uneven, or have gaps;
+/// - efforts in amperes, with another sign, or with friction in them become loads by the masses of the URDF;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;
 /// - velocities of another unit, sign or zero, that wrap, or that are constant;
 /// - `filter_mismatch`: JOINT.velocity is the output of another filter than the spec's;

@@ -1,0 +1,291 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/solve.hpp"
+#include "core/text.hpp"
+#include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "effect/effects/effects.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+
+/// Efforts that are proportional to the control error are the controller's output, not a measured load, and
+/// no evidence of compliance. Currents and torques of motors become loads.
+namespace qerr::sanity {
+
+namespace {
+
+constexpr Eigen::Index most_loads = 1500;  ///< at which loads are computed
+
+/// Residual of a proportional relation, relative to the effort, below which the effort is the output of a
+/// proportional controller (convention).
+constexpr double proportional_residual = 0.1;
+
+/// What moves a joint along the references.
+struct JointLoad {
+  Eigen::ArrayXd load;                    ///< by the URDF's masses, at every `stride`-th row [N m or N]
+  Eigen::ArrayXd velocity, acceleration;  ///< of the joint, in all rows
+  Eigen::Index stride = 1;
+
+  Eigen::ArrayXd sampled(const Eigen::ArrayXd& rows) const {
+    return rows(Eigen::seqN(0, load.size(), stride));
+  }
+};
+
+/// Empty without masses, stamps, or a reference of every joint, and where the load is constant.
+std::optional<JointLoad> joint_load(const Sanity& s, std::size_t joint) {
+  const std::size_t joints = s.model.chain.independent.size();
+  const auto time = s.log.find(LogSignal::time);
+  if (!time || !has_masses(s.model.chain)) return std::nullopt;
+  const Eigen::ArrayXd t = s.log.values.col(*time);
+  std::vector<Eigen::ArrayXd> q(joints), v(joints), a(joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const auto column = s.log.find(LogSignal::reference, j);
+    if (!column) return std::nullopt;
+    const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
+    const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
+    q[j] = path.position;
+    v[j] = path.velocity;
+    a[j] = path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity;
+  }
+  const Eigen::Index n = s.log.values.rows(), stride = std::max<Eigen::Index>(1, n / most_loads);
+  JointLoad l{Eigen::ArrayXd(n / stride), v[joint], a[joint], stride};
+  Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
+  for (Eigen::Index i = 0; i < l.load.size(); ++i) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const auto row = static_cast<Eigen::Index>(j);
+      position[row] = q[j][i * stride];
+      velocity[row] = v[j][i * stride];
+      acceleration[row] = a[j][i * stride];
+    }
+    l.load[i] =
+        inverse_dynamics(s.model.chain, position, velocity, acceleration)[static_cast<Eigen::Index>(joint)];
+  }
+  if (standard_deviation(l.load) < 1e-9) return std::nullopt;
+  return l;
+}
+
+/// Coefficients of columns beside a constant, and what they leave of a signal.
+struct Regression {
+  Eigen::VectorXd coefficients;  ///< the constant last
+  double residual_rms = 0;
+};
+
+Regression regression(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& signal) {
+  Eigen::MatrixXd all(columns.rows(), columns.cols() + 1);
+  all << columns, Eigen::VectorXd::Ones(columns.rows());
+  Regression r{least_norm_solution(all, signal.matrix()), 0};
+  r.residual_rms = rms(signal - (all * r.coefficients).array());
+  return r;
+}
+
+/// Share of a signal's variance that a combination of columns and a constant explains.
+double explained_by(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& signal) {
+  return 1 - std::pow(regression(columns, signal).residual_rms / standard_deviation(signal), 2);
+}
+
+/// Shares of the effort's variance that a load and a servo explain along the references.
+struct EffortShares {
+  double masses = -1;  ///< by the URDF's masses and a constant; negative if unknown for this joint
+  double servo = 0;    ///< by the joint's own speed and acceleration, which a servo lags behind
+};
+
+EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
+  const auto l = joint_load(s, joint);
+  if (!l) return {};
+  const Eigen::ArrayXd sampled = l->sampled(effort);
+  Eigen::MatrixXd own(sampled.size(), 2);
+  own << l->sampled(l->velocity).matrix(), l->sampled(l->acceleration).matrix();
+  return {explained_by(l->load.matrix(), sampled), explained_by(own, sampled)};
+}
+
+void drop_effort(Sanity& s, std::size_t joint, const char* reason) {
+  const auto effort = s.log.find(LogSignal::effort, joint);
+  s.warnings.push_back(s.log.columns[static_cast<std::size_t>(*effort)].header + ": " + reason +
+                       ": the output of the controller, not a load, and no evidence of compliance");
+  drop_column(s.log, *effort);
+}
+
+}  // namespace
+
+void check_controller_output(Sanity& s, std::size_t joint) {
+  const auto column = s.log.find(LogSignal::effort, joint);
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  if (!column || !measured) return;
+  const Eigen::ArrayXd effort = s.log.values.col(*column);
+  if (standard_deviation(effort) == 0) return;
+  const double ideal = ideal_sigma(s, joint);
+  if (const auto command = s.log.find(LogSignal::command, joint)) {
+    const Eigen::ArrayXd error = s.log.values.col(*command) - *measured;
+    const Line line = fit_line(error, effort);
+    if (line.residual_rms < proportional_residual * standard_deviation(effort) &&
+        standard_deviation(error) > 2 * ideal)
+      return drop_effort(s, joint, "proportional to command - measured");
+  }
+  const auto reference = s.log.find(LogSignal::reference, joint);
+  if (!reference) return;
+  const Eigen::ArrayXd error = *measured - s.log.values.col(*reference);
+  const Line line = fit_line(effort, error);
+  const double explained = std::abs(line.slope) * standard_deviation(effort);
+  // The relation must exceed quantization, and leave little more than it.
+  if (explained < 0.5 * ideal || line.residual_rms > 1.5 * ideal) return;
+  const std::string& name = s.model.chain.independent[joint].name;
+  // A measured load would leave the quantization error of the position in the residual.
+  const bool exact = line.residual_rms < 0.3 * ideal;
+  const EffortShares shares = exact ? EffortShares{0, 1} : effort_shares(s, joint, effort);
+  // A load follows the masses better than the joint's own motion, a servo error the reverse.
+  if (shares.masses > shares.servo) return;
+  if (shares.masses < 0) {
+    s.alternatives.push_back({std::string(compliance_effect().name),
+                              std::string(controller_droop_effect().name), name,
+                              "a measured load, or the same motion with another payload"});
+    return;
+  }
+  const double tail = explained / std::max(line.residual_rms, 1e-12 * explained);
+  const double p_value = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
+  const Eigen::ArrayXd droop = line.slope * effort;
+  Cause found = exact_cause(s, joint, controller_droop_effect().name, {{"gain", 1 / line.slope}}, p_value,
+                            rms(error), rms(error - droop));
+  const double rows = static_cast<double>(effort.size()), gain = 1 / line.slope;
+  const double half_width = 1.96 * std::abs(gain) * line.residual_rms / (explained * std::sqrt(rows));
+  found.parameters = {{"gain", gain, gain - half_width, gain + half_width}};
+  s.causes.push_back(std::move(found));
+  if (exact) {
+    // The reference is the set point, and the effort contains the rounding of the counts: no error remains.
+    s.warnings.push_back(name +
+                         ": the reference is the set point of the controller: no verdict on this joint");
+    drop_column(s.log, *reference);
+  } else if (auto read = recorded_counts(s, joint);
+             read && ideal == sigma(s.model.transmission.encoders[joint])) {
+    read->counts -= droop / s.model.transmission.encoders[joint].resolution;
+    write_back(s, *read, joint);
+  }
+  drop_effort(s, joint, "proportional to measured - reference");
+}
+
+namespace {
+
+/// Efforts that follow the masses to this share of their variance tell their unit and sign.
+constexpr double follows_masses = 0.9;
+
+/// Payloads and friction change the factor of an effort in N m by less than this.
+constexpr double same_unit = 1.5;
+
+/// A load is replaced by another one, and the acceleration added, for so much less of an error's rest.
+constexpr double matters = 0.9;
+
+/// Dry friction by the speed, without a jump at rest: -1 to 1.
+Eigen::ArrayXd direction_by_speed(const Eigen::ArrayXd& velocity) {
+  constexpr double slow = 0.02;  // of the highest speed: there the direction is uncertain
+  const double ramp = slow * std::max(velocity.abs().maxCoeff(), 1e-300);
+  return (velocity / ramp).max(-1.0).min(1.0);
+}
+
+/// A series that may deflect the gear, and how well the error follows it.
+struct Deflecting {
+  Eigen::ArrayXd load;
+  double residual_rms = 0;
+};
+
+/// @param load  to which so much of the acceleration is added as the error tells: the rotor's inertia does
+/// not
+///   deflect the gear, and the URDF may not know all of the link's
+Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& acceleration,
+                      const Eigen::ArrayXd& error) {
+  const double alone = regression(load.matrix(), error).residual_rms;
+  Eigen::MatrixXd columns(load.size(), 2);
+  columns << load.matrix(), acceleration.matrix();
+  const Regression both = regression(columns, error);
+  if (both.residual_rms > matters * alone || both.coefficients[0] == 0) return {load, alone};
+  return {load + both.coefficients[1] / both.coefficients[0] * acceleration, both.residual_rms};
+}
+
+/// Values at every `stride`-th row, interpolated.
+Eigen::ArrayXd at_all_rows(const Eigen::ArrayXd& sampled, Eigen::Index stride, Eigen::Index rows) {
+  Eigen::ArrayXd all(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const Eigen::Index i = std::min(k / stride, sampled.size() - 1),
+                       next = std::min(i + 1, sampled.size() - 1);
+    const double part = std::min(1.0, static_cast<double>(k - i * stride) / static_cast<double>(stride));
+    all[k] = sampled[i] + part * (sampled[next] - sampled[i]);
+  }
+  return all;
+}
+
+}  // namespace
+
+// effort = factor load + friction by direction and speed + inertia acceleration + constant, all by least
+// squares, where the URDF's masses and the references tell the load.
+void check_load(Sanity& s, std::size_t joint) {
+  const auto column = s.log.find(LogSignal::effort, joint),
+             reference = s.log.find(LogSignal::reference, joint);
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  if (!column || !reference || !measured) return;
+  const Eigen::ArrayXd effort = s.log.values.col(*column);
+  const Eigen::ArrayXd error = *measured - s.log.values.col(*reference);
+  if (standard_deviation(effort) == 0) return;
+  const auto l = joint_load(s, joint);
+  if (!l || l->load.size() < fewest_rows_of_slope) return;
+  const Eigen::ArrayXd direction = direction_by_speed(l->velocity), sampled = l->sampled(effort);
+  Eigen::MatrixXd columns(sampled.size(), 4);
+  columns << l->load.matrix(), l->sampled(direction).matrix(), l->sampled(l->velocity).matrix(),
+      l->sampled(l->acceleration).matrix();
+  const Regression whole = regression(columns, sampled);
+  const double factor = whole.coefficients[0];
+  const bool follows = std::pow(whole.residual_rms / standard_deviation(sampled), 2) < 1 - follows_masses &&
+                       std::abs(factor) * standard_deviation(l->load) > 3 * whole.residual_rms;
+  LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
+  const std::string& name = s.model.chain.independent[joint].name;
+  const std::string unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+  const bool stated = head.unit == unit;
+  const double plain = regression(effort.matrix(), error).residual_rms;
+  const Eigen::ArrayXd friction = whole.coefficients[1] * direction + whole.coefficients[2] * l->velocity;
+  const Deflecting free = deflecting(effort - friction, l->acceleration, error);
+  Deflecting modelled{at_all_rows(l->load, l->stride, effort.size()), 0};
+  modelled.residual_rms = regression(modelled.load.matrix(), error).residual_rms;
+  const double least = std::min(free.residual_rms, modelled.residual_rms);
+  Eigen::ArrayXd load = effort;
+  if (least < matters * plain && least < matters * standard_deviation(error)) {
+    const bool by_masses = modelled.residual_rms < matters * free.residual_rms;
+    s.data.push_back({head.header + " is more than the load: friction of " +
+                          readable(std::abs(whole.coefficients[1]), head.unit) + ", and what the rotor takes",
+                      name,
+                      {},
+                      {},
+                      by_masses ? "the load by the masses of the URDF is used in its place"
+                                : "the load without them is used"});
+    load = by_masses ? modelled.load : free.load;
+    if (by_masses) {
+      head.unit = unit;
+      s.log.values.col(*column) = load;
+      return;
+    }
+  }
+  if (!follows) {
+    s.log.values.col(*column) = load;
+    return;
+  }
+  const double size = std::abs(factor);
+  if (!stated || size > same_unit || size < 1 / same_unit) {
+    load /= factor;
+    const std::string per = head.unit + " is " + readable(1 / factor, unit);
+    s.data.push_back({head.header + ": 1 " + per + " by the masses of the URDF",
+                      name,
+                      {},
+                      {},
+                      "write the effort in " + unit,
+                      stated ? DataKind::contradictory : DataKind::remark});
+    head.unit = unit;
+  } else if (factor < 0) {
+    load = -load;
+    s.data.push_back({head.header + " has the opposite sign of the load by the masses of the URDF",
+                      name,
+                      {},
+                      {},
+                      "reverse the sign of the effort",
+                      DataKind::contradictory});
+  }
+  s.log.values.col(*column) = load;
+}
+
+}  // namespace qerr::sanity
