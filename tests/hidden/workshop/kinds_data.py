@@ -108,7 +108,7 @@ def tool_length(rng):
     rods = arm.rods.copy()
     rods[-1] *= 1 + rng.choice([-1, 1]) * rng.uniform(0.5e-3, 2e-3) / np.linalg.norm(rods[-1])
     return tip_record(rng, arm, t, counters, columns, arm.tip(q, rods), {
-        "causes": [slot("geometry")], "says": ["tool", "target"], "tolerated": []})
+        "causes": [slot("tool", "geometry")], "says": ["tool", "target"], "tolerated": []})
 
 
 def link_length(rng):
@@ -120,12 +120,12 @@ def link_length(rng):
 
 
 def base_frame(rng):
-    """The tracker's frame is displaced and turned against the base: it is fitted; no fault of the arm."""
+    """The tracker's frame is displaced and turned against the base: it is the cause."""
     arm, t, q, counters, columns = tip_bench(rng, int(rng.integers(3, 6)))
     w, shift = rng.uniform(-2e-3, 2e-3, 3), rng.uniform(-2e-3, 2e-3, 3)
     tip = arm.tip(q)
     return tip_record(rng, arm, t, counters, columns, tip + np.cross(w, tip) + shift, {
-        "clean": True, "says": ["tracker's frame", "base"], "may_decline": True})
+        "causes": [slot("frame", "geometry")], "says": ["tracker", "base"], "tolerated": []})
 
 
 def zero_of_a_joint(rng):

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/solve.hpp"
@@ -21,47 +22,67 @@ constexpr Eigen::Index most_loads = 1500;  ///< at which loads are computed
 /// proportional controller (convention).
 constexpr double proportional_residual = 0.1;
 
-/// What moves a joint along the references.
-struct JointLoad {
-  Eigen::ArrayXd load;                    ///< by the URDF's masses, at every `stride`-th row [N m or N]
-  Eigen::ArrayXd velocity, acceleration;  ///< of the joint, in all rows
+/// A joint along its reference.
+struct JointMotion {
+  Eigen::ArrayXd position, velocity, acceleration;
+};
+
+std::optional<JointMotion> joint_motion(const Sanity& s, std::size_t joint) {
+  const auto time = s.log.find(LogSignal::time), column = s.log.find(LogSignal::reference, joint);
+  if (!time || !column) return std::nullopt;
+  const Eigen::ArrayXd t = s.log.values.col(*time);
+  const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
+  const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
+  return JointMotion{
+      path.position, path.velocity,
+      path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity};
+}
+
+/// Loads by the URDF's masses at every `stride`-th row [N m or N].
+struct Loads {
+  Eigen::ArrayXd sampled;
   Eigen::Index stride = 1;
 
-  Eigen::ArrayXd sampled(const Eigen::ArrayXd& rows) const {
-    return rows(Eigen::seqN(0, load.size(), stride));
+  Eigen::ArrayXd of_rows(const Eigen::ArrayXd& rows) const {
+    return rows(Eigen::seqN(0, sampled.size(), stride));
+  }
+  /// Interpolated to all rows.
+  Eigen::ArrayXd at_all(Eigen::Index rows) const {
+    Eigen::ArrayXd all(rows);
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const Eigen::Index i = std::min(k / stride, sampled.size() - 1),
+                         next = std::min(i + 1, sampled.size() - 1);
+      const double part = std::min(1.0, static_cast<double>(k - i * stride) / static_cast<double>(stride));
+      all[k] = sampled[i] + part * (sampled[next] - sampled[i]);
+    }
+    return all;
   }
 };
 
-/// Empty without masses, stamps, or a reference of every joint, and where the load is constant.
-std::optional<JointLoad> joint_load(const Sanity& s, std::size_t joint) {
-  const std::size_t joints = s.model.chain.independent.size();
-  const auto time = s.log.find(LogSignal::time);
-  if (!time || !has_masses(s.model.chain)) return std::nullopt;
-  const Eigen::ArrayXd t = s.log.values.col(*time);
-  std::vector<Eigen::ArrayXd> q(joints), v(joints), a(joints);
-  for (std::size_t j = 0; j < joints; ++j) {
-    const auto column = s.log.find(LogSignal::reference, j);
-    if (!column) return std::nullopt;
-    const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
-    const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
-    q[j] = path.position;
-    v[j] = path.velocity;
-    a[j] = path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity;
+/// Empty without masses or a reference of every joint, and where the load is constant.
+std::optional<Loads> loads_by_masses(const Sanity& s, std::size_t joint) {
+  if (!has_masses(s.model.chain)) return std::nullopt;
+  std::vector<JointMotion> all;
+  for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
+    auto motion = joint_motion(s, j);
+    if (!motion) return std::nullopt;
+    all.push_back(std::move(*motion));
   }
   const Eigen::Index n = s.log.values.rows(), stride = std::max<Eigen::Index>(1, n / most_loads);
-  JointLoad l{Eigen::ArrayXd(n / stride), v[joint], a[joint], stride};
+  Loads l{Eigen::ArrayXd(n / stride), stride};
+  const auto joints = static_cast<Eigen::Index>(all.size());
   Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
-  for (Eigen::Index i = 0; i < l.load.size(); ++i) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      const auto row = static_cast<Eigen::Index>(j);
-      position[row] = q[j][i * stride];
-      velocity[row] = v[j][i * stride];
-      acceleration[row] = a[j][i * stride];
+  for (Eigen::Index i = 0; i < l.sampled.size(); ++i) {
+    for (Eigen::Index j = 0; j < joints; ++j) {
+      const JointMotion& m = all[static_cast<std::size_t>(j)];
+      position[j] = m.position[i * stride];
+      velocity[j] = m.velocity[i * stride];
+      acceleration[j] = m.acceleration[i * stride];
     }
-    l.load[i] =
+    l.sampled[i] =
         inverse_dynamics(s.model.chain, position, velocity, acceleration)[static_cast<Eigen::Index>(joint)];
   }
-  if (standard_deviation(l.load) < 1e-9) return std::nullopt;
+  if (standard_deviation(l.sampled) < 1e-9) return std::nullopt;
   return l;
 }
 
@@ -91,12 +112,13 @@ struct EffortShares {
 };
 
 EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
-  const auto l = joint_load(s, joint);
-  if (!l) return {};
-  const Eigen::ArrayXd sampled = l->sampled(effort);
+  const auto loads = loads_by_masses(s, joint);
+  if (!loads) return {};
+  const JointMotion motion = *joint_motion(s, joint);
+  const Eigen::ArrayXd sampled = loads->of_rows(effort);
   Eigen::MatrixXd own(sampled.size(), 2);
-  own << l->sampled(l->velocity).matrix(), l->sampled(l->acceleration).matrix();
-  return {explained_by(l->load.matrix(), sampled), explained_by(own, sampled)};
+  own << loads->of_rows(motion.velocity).matrix(), loads->of_rows(motion.acceleration).matrix();
+  return {explained_by(loads->sampled.matrix(), sampled), explained_by(own, sampled)};
 }
 
 void drop_effort(Sanity& s, std::size_t joint, const char* reason) {
@@ -200,92 +222,100 @@ Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& accelera
   return {load + both.coefficients[1] / both.coefficients[0] * acceleration, both.residual_rms};
 }
 
-/// Values at every `stride`-th row, interpolated.
-Eigen::ArrayXd at_all_rows(const Eigen::ArrayXd& sampled, Eigen::Index stride, Eigen::Index rows) {
-  Eigen::ArrayXd all(rows);
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    const Eigen::Index i = std::min(k / stride, sampled.size() - 1),
-                       next = std::min(i + 1, sampled.size() - 1);
-    const double part = std::min(1.0, static_cast<double>(k - i * stride) / static_cast<double>(stride));
-    all[k] = sampled[i] + part * (sampled[next] - sampled[i]);
-  }
-  return all;
+/// An effort by least squares: factor load + friction by direction and speed + inertia acceleration +
+/// constant.
+struct EffortParts {
+  double factor = 0;  ///< of the load by the URDF's masses; 0: not known
+  double dry = 0;     ///< friction [unit of the effort]
+  Eigen::ArrayXd friction;
+};
+
+/// @param loads  null: gravity takes its place, by sine and cosine of the joint's angle
+EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointMotion& m, const Loads* loads) {
+  const Loads every{m.position, 1};
+  const Loads& l = loads ? *loads : every;
+  const Eigen::ArrayXd direction = direction_by_speed(m.velocity), sampled = l.of_rows(effort);
+  Eigen::MatrixXd columns(sampled.size(), loads ? 4 : 5);
+  columns << l.of_rows(direction).matrix(), l.of_rows(m.velocity).matrix(),
+      l.of_rows(m.acceleration).matrix(),
+      loads ? Eigen::MatrixXd(l.sampled.matrix())
+            : (Eigen::MatrixXd(sampled.size(), 2) << m.position.sin(), m.position.cos()).finished();
+  const Regression r = regression(columns, sampled);
+  EffortParts p{0, std::abs(r.coefficients[0]),
+                r.coefficients[0] * direction + r.coefficients[1] * m.velocity};
+  const double left = r.residual_rms;
+  if (loads && std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
+      std::abs(r.coefficients[3]) * standard_deviation(l.sampled) > 3 * left)
+    p.factor = r.coefficients[3];
+  return p;
 }
 
-}  // namespace
-
-// effort = factor load + friction by direction and speed + inertia acceleration + constant, all by least
-// squares, where the URDF's masses and the references tell the load.
-void check_load(Sanity& s, std::size_t joint) {
-  const auto column = s.log.find(LogSignal::effort, joint),
-             reference = s.log.find(LogSignal::reference, joint);
-  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !reference || !measured) return;
-  const Eigen::ArrayXd effort = s.log.values.col(*column);
-  const Eigen::ArrayXd error = *measured - s.log.values.col(*reference);
-  if (standard_deviation(effort) == 0) return;
-  const auto l = joint_load(s, joint);
-  if (!l || l->load.size() < fewest_rows_of_slope) return;
-  const Eigen::ArrayXd direction = direction_by_speed(l->velocity), sampled = l->sampled(effort);
-  Eigen::MatrixXd columns(sampled.size(), 4);
-  columns << l->load.matrix(), l->sampled(direction).matrix(), l->sampled(l->velocity).matrix(),
-      l->sampled(l->acceleration).matrix();
-  const Regression whole = regression(columns, sampled);
-  const double factor = whole.coefficients[0];
-  const bool follows = std::pow(whole.residual_rms / standard_deviation(sampled), 2) < 1 - follows_masses &&
-                       std::abs(factor) * standard_deviation(l->load) > 3 * whole.residual_rms;
-  LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
-  const std::string& name = s.model.chain.independent[joint].name;
-  const std::string unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+/// Converts an effort to N m or N with the sign of the load.
+void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double factor) {
+  LogColumn& head = s.log.columns[static_cast<std::size_t>(column)];
+  const IndependentJoint& j = s.model.chain.independent[joint];
+  const std::string unit = j.prismatic() ? "N" : "N m";
   const bool stated = head.unit == unit;
-  const double plain = regression(effort.matrix(), error).residual_rms;
-  const Eigen::ArrayXd friction = whole.coefficients[1] * direction + whole.coefficients[2] * l->velocity;
-  const Deflecting free = deflecting(effort - friction, l->acceleration, error);
-  Deflecting modelled{at_all_rows(l->load, l->stride, effort.size()), 0};
-  modelled.residual_rms = regression(modelled.load.matrix(), error).residual_rms;
-  const double least = std::min(free.residual_rms, modelled.residual_rms);
-  Eigen::ArrayXd load = effort;
-  if (least < matters * plain && least < matters * standard_deviation(error)) {
-    const bool by_masses = modelled.residual_rms < matters * free.residual_rms;
-    s.data.push_back({head.header + " is more than the load: friction of " +
-                          readable(std::abs(whole.coefficients[1]), head.unit) + ", and what the rotor takes",
-                      name,
-                      {},
-                      {},
-                      by_masses ? "the load by the masses of the URDF is used in its place"
-                                : "the load without them is used"});
-    load = by_masses ? modelled.load : free.load;
-    if (by_masses) {
-      head.unit = unit;
-      s.log.values.col(*column) = load;
-      return;
-    }
-  }
-  if (!follows) {
-    s.log.values.col(*column) = load;
-    return;
-  }
   const double size = std::abs(factor);
   if (!stated || size > same_unit || size < 1 / same_unit) {
-    load /= factor;
-    const std::string per = head.unit + " is " + readable(1 / factor, unit);
-    s.data.push_back({head.header + ": 1 " + per + " by the masses of the URDF",
-                      name,
+    s.data.push_back({head.header + ": 1 " + head.unit + " is " + readable(1 / factor, unit) +
+                          " by the masses of the URDF",
+                      j.name,
                       {},
                       {},
                       "write the effort in " + unit,
                       stated ? DataKind::contradictory : DataKind::remark});
-    head.unit = unit;
   } else if (factor < 0) {
-    load = -load;
+    factor = -1;
     s.data.push_back({head.header + " has the opposite sign of the load by the masses of the URDF",
-                      name,
+                      j.name,
                       {},
                       {},
                       "reverse the sign of the effort",
                       DataKind::contradictory});
+  } else {
+    return;
   }
-  s.log.values.col(*column) = load;
+  head.unit = unit;
+  s.log.values.col(column) /= factor;
+}
+
+}  // namespace
+
+void check_load(Sanity& s, std::size_t joint) {
+  const auto column = s.log.find(LogSignal::effort, joint);
+  const auto motion = joint_motion(s, joint);
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  if (!column || !motion || !measured || s.log.values.rows() < fewest_rows_of_slope) return;
+  const Eigen::ArrayXd effort = s.log.values.col(*column);
+  const Eigen::ArrayXd error = *measured - s.log.values.col(*s.log.find(LogSignal::reference, joint));
+  if (standard_deviation(effort) == 0) return;
+  const auto loads = loads_by_masses(s, joint);
+  const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
+  const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
+  const Deflecting free = deflecting(effort - parts.friction, motion->acceleration, error);
+  Deflecting modelled{{}, std::numeric_limits<double>::infinity()};
+  if (loads) {
+    modelled.load = loads->at_all(effort.size());
+    modelled.residual_rms = regression(modelled.load.matrix(), error).residual_rms;
+  }
+  LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
+  const bool by_masses = modelled.residual_rms < matters * std::min(plain, free.residual_rms);
+  if (by_masses || free.residual_rms < matters * plain)
+    s.data.push_back({head.header + " is more than the load: friction of " + readable(parts.dry, head.unit) +
+                          ", and what the rotor takes",
+                      s.model.chain.independent[joint].name,
+                      {},
+                      {},
+                      by_masses ? "the load by the masses of the URDF is used in its place"
+                                : "the load without them is used"});
+  if (by_masses) {
+    head.unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+    s.log.values.col(*column) = modelled.load;
+    return;
+  }
+  if (free.residual_rms < matters * plain) s.log.values.col(*column) = free.load;
+  if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
 }
 
 }  // namespace qerr::sanity
