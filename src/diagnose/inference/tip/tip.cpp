@@ -8,6 +8,7 @@
 #include "core/solve.hpp"
 #include "core/statistics.hpp"
 #include "core/text.hpp"
+#include "diagnose/inference/tip/tip_remainder.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -279,6 +280,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   d.gain = gain_of(s.model, alone);
   if (!improves(s.model, d.gain)) {
     d.gain = gain_of(alone, alone);
+    d.unexplained = tip_remainder(alone);
     find_unseen(model, *e, d);
     return d;
   }
@@ -291,6 +293,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   }
   name_frames(s.model, d);
   name_causes(s, d);
+  for (Unidentified& left : tip_remainder(s.model)) d.unexplained.push_back(std::move(left));
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

@@ -28,6 +28,18 @@ TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, U
   draw_surrogates();
 }
 
+Eigen::MatrixXd TipModel::in_base(const Eigen::VectorXd& entries) const {
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  Eigen::MatrixXd series(evidence_->rows(), coordinates);
+  for (Eigen::Index k = 0; k < series.rows(); ++k) {
+    const Eigen::MatrixXd& turn = turn_[static_cast<std::size_t>(k)];
+    series.row(k) =
+        (turn(Eigen::all, evidence_->axes).transpose() * entries.segment(k * coordinates, coordinates))
+            .transpose();
+  }
+  return series;
+}
+
 Eigen::Index TipModel::size() const { return theta_.size(); }
 
 Eigen::Index TipModel::position(std::size_t term) const {

@@ -85,6 +85,10 @@ class TipModel {
   const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true, without terms [m]
   Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}) const;  ///< nuisance and terms
   Eigen::Index nuisance() const { return nuisance_.cols(); }
+  /// Quantization errors at the tip along the path with random sub-count phases: entries x draws [m].
+  const Eigen::MatrixXd& surrogates() const { return surrogates_; }
+  /// Entries, which are in the rows' own axes, as rows x coordinates.
+  Eigen::MatrixXd in_base(const Eigen::VectorXd& entries) const;
 
  private:
   void update_estimate();

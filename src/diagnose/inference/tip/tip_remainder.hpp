@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "diagnose/inference/tip/tip_model.hpp"
+#include "qerr/diagnose/diagnosis.hpp"
+
+namespace qerr {
+
+/// What a fit at the tip leaves that is neither quantization nor white noise: a line of a frequency, or a
+/// slow change, in the order of the rows.
+///
+/// The periodograms of the remainder's coordinates are compared with those of `TipModel::surrogates` plus
+/// white noise of the fitted sigma, in windows of 4 and of 40 independent frequencies. A window is reported
+/// if its power exceeds that of every window of every surrogate by half, and is 5 % of the whole at least.
+/// @returns at most one; none of rows without an order
+std::vector<Unidentified> tip_remainder(const TipModel&);
+
+}  // namespace qerr
