@@ -184,7 +184,7 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
 }
 
 void read_table(const Field& f, const std::string& path, Spec& spec, Motion& motion) {
-  const JointTable table = read_joint_table(path, spec.model.chain, TimeColumn::required, spec.warnings);
+  const JointTable table = read_joint_table(path, spec, TimeColumn::required, spec.warnings);
   motion.file = path;
   motion.table = {table.time, table.positions};
   if (table.time.size() < 2)
