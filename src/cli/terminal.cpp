@@ -143,8 +143,8 @@ class ProgressLine {
 }  // namespace
 
 std::string_view interrupt_message() noexcept {
-  const std::string* said = on_interrupt;
-  return said ? *said : "\nqerr: stopped; unfinished files are removed\n";
+  if (const std::string* said = on_interrupt) return *said;
+  return "\nqerr: stopped; unfinished files are removed\n";
 }
 
 void say_on_interrupt(const std::string& how_to_go_on) {
