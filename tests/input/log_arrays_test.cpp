@@ -47,7 +47,7 @@ TEST_F(LogArrays, AreTheFileOfTheSameNumbers) {
   for (const double origin : {0.0, 1748000000.25}) {
     std::vector<double> all;
     for (int i = 0; i < 500; ++i)
-      all.insert(all.end(), {origin + i / 1024.0, std::round(50 * std::sin(0.02 * i)), 0.0125 * i});
+      all.insert(all.end(), {origin + i / 16.0, std::round(50 * std::sin(0.02 * i)), 0.0125 * i});
     set({"time [s]", "shoulder.counts", "shoulder.reference [deg]"}, all);
     const Log file = read(table()), log = read_log(arrays(), spec);
     ASSERT_EQ(log.rows, 500u);
