@@ -119,7 +119,8 @@ def check_ament(t, usr, scratch, topic):
     shutil.copytree(scratch / "example", source)
     for name, block in zip(("package.xml", "CMakeLists.txt"), blocks):
         (source / name).write_text(block[1])
-    done = command("cmake", "-G", "Ninja", "-S", source, "-B", made, f"-DCMAKE_PREFIX_PATH={usr}", f"-DCMAKE_INSTALL_PREFIX={made / 'prefix'}")
+    done = command("cmake", "-G", "Ninja", "-S", source, "-B", made, f"-DCMAKE_PREFIX_PATH={usr}", f"-DCMAKE_INSTALL_PREFIX={made / 'prefix'}",
+                   "-DPython3_EXECUTABLE=/usr/bin/python3")  # whose modules are those of ament
     done = done if done.returncode else command("cmake", "--build", made, "--target", "install")
     if t.check("a package by ament finds it", done.returncode == 0, done.stdout[-800:] + done.stderr[-800:]):
         check_budget(t, made / "prefix" / "lib" / "budget" / "budget", usr)
