@@ -77,8 +77,10 @@ def _column(values: Any) -> Any:
     """Calendar time as seconds after the first stamp; everything else is converted by the module, if it is no float64."""
     if getattr(getattr(values, "dtype", None), "kind", "") != "M":
         return values
-    stamps = getattr(values, "to_numpy", lambda: values)()
-    return (stamps - stamps[0]).astype("m8[ns]").astype(float) * 1e-9
+    import numpy
+
+    stamps = numpy.asarray(values, dtype="M8[ns]")
+    return (stamps - stamps[:1]).astype(float) * 1e-9
 
 
 def _number(text: str) -> Any:
@@ -266,7 +268,7 @@ def _describe(function: Any, command: str) -> None:
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind != inspect.Parameter.VAR_KEYWORD]
     more = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_TYPES[kind] + " | None")
-            for name, kind, _ in options if name not in signature.parameters and name not in ("help", "version", "in")]
+            for name, kind, _ in options if name not in signature.parameters and name not in ("help", "version")]
     function.__signature__ = signature.replace(parameters=own + more)
     function.__doc__ = (function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(f"    {name}: {meaning}" for name, _, meaning in options)
 
