@@ -111,11 +111,17 @@ def check_interrupt(t, qerr):
     spec = CONFIGS / "scara" / "spec.yaml"
     with tempfile.TemporaryDirectory() as folder:
         slow = "configurations.count=2000000000"
-        rows = pathlib.Path(folder, "rows.csv")
-        for words, wanted in ((["analyze", spec, "--set", slow, "--allow-long"], "unfinished files are removed"),
+        rows, choice = pathlib.Path(folder, "rows.csv"), pathlib.Path(folder, "choice.yaml")
+        choice.write_text(f"qerr: 1\nrobot: {{urdf: {CONFIGS}/kuka_lwr/kuka_lwr.urdf}}\nencoders: {{'*': {{bits: 17}}}}\n"
+                          "configurations: {count: 50000}\nrequirements:\n"
+                          "  - {quantity: position.xyz.worst_case, statistic: max, at_most: 0.05 mm}\n"
+                          "  - {quantity: position.rxyz.sigma, statistic: p95, at_most: 0.02 mrad}\n"
+                          "design: {encoders: {'*': {bits: 8..25}}}\n")
+        for words, wanted in ((["design", choice], "--only-optimum"),
+                              (["analyze", spec, "--set", slow, "--allow-long"], "unfinished files are removed"),
                               (["sweep", spec, "-o", rows, "--set", "sweep=[{key: configurations.seed, from: 1, to: 90000, count: 90000}]"],
                                "--resume goes on")):
-            text, code = on_terminal(qerr, words, 80, stop_at=b" % of ")
+            text, code = on_terminal(qerr, words, 80, stop_at=b" % of ")  # of the configurations, of a search's work
             last = shown_lines(text.replace("^C", ""))[-2:]
             t.check(f"{words[0]}: Ctrl-C", code == 130 and text.endswith("\n") and wanted in "".join(last), text[-300:])
 
