@@ -268,6 +268,12 @@ TEST_F(BagLog, TheFilesOfASplitRecordingAreOne) {
                 "zstd", 7);
   expect_recording(read_log(bag.string(), spec), "folder");
   expect_recording(read_log((bag / "metadata.yaml").string(), spec), "metadata");
+  try {
+    read_log(LogFiles({(bag / "record_0.mcap").string(), (bag / "record_1.mcap").string()}), spec);
+    ADD_FAILURE() << "two files with the same signals";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("name the folder"), std::string::npos) << e.what();
+  }
 }
 
 TEST_F(BagLog, AMotionIsReadFromABag) {
