@@ -38,6 +38,7 @@ test_packages=(
   python3-yaml          # recipes of continuous integration
   pybind11-dev python3-dev  # the Python module
   pkg-config            # a program that links the installed library
+  ament-cmake           # the same in a package of ROS 2
   parallel              # scripts/parallel_sweep.sh
   clang-format
 )

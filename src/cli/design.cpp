@@ -17,6 +17,8 @@ int run(const Values& v) {
   const auto written = opened(v, "write-spec");
   DesignOptions options;
   options.workspace.threads = threads(v);
+  options.search_progress = search_progress(v);
+  say_on_interrupt("--only-optimum, or a smaller configurations.count, takes less time");
   options.pareto = v.text("pareto");
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");

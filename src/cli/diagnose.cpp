@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
@@ -14,9 +15,15 @@ namespace qerr::cli {
 
 namespace {
 
+LogFiles log_files(const Values& v) {
+  if (caller() && !caller()->log.empty()) return caller()->log;
+  return v.texts("LOG");
+}
+
 /// A log is diagnosed; --plan needs none.
 void require_log_or_plan(const Values& v) {
-  if (!v.given("plan") && !v.given("LOG"))
+  const bool in_memory = caller() && !caller()->log.empty();
+  if (!v.given("plan") && !v.given("LOG") && !in_memory)
     throw usage("LOG", "the log is missing", "", "name the log, or use --plan if none exists yet");
   if (!v.given("plan") && v.given("reference-noise"))
     throw usage("--reference-noise", "the noise is estimated from the log", "", "use it with --plan only");
@@ -88,7 +95,7 @@ int run(const Values& v) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  Log log = read_log(v.texts("LOG"), spec, most_log_values, progress(v, "bytes"));
+  Log log = read_log(log_files(v), spec, most_log_values, progress(v, "bytes"));
   const std::string format = chosen_format(v);
   // A page draws the record.
   const bool keep_values = table || residual || format == "html";

@@ -23,8 +23,13 @@ namespace {
 
 constexpr int closed_pipe_code = 128 + SIGPIPE;
 
+/// @param signal  Ctrl-C leaves its `^C` or a line of progress where the shell's prompt would stand
 extern "C" void stop(int signal) {
   qerr::remove_unfinished_outputs();
+  if (signal == SIGINT && isatty(STDERR_FILENO)) {
+    const std::string_view text = qerr::cli::interrupt_message();
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+  }
   _exit(128 + signal);
 }
 

@@ -7,7 +7,9 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
+#include "input/encoder_keys.hpp"
 #include "input/override.hpp"
+#include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "report/text_table.hpp"
@@ -35,6 +37,24 @@ std::vector<std::string> format_names_with_markdown() {
   return names;
 }
 
+/// Dotted paths that shells propose for --set: sections, their keys, and those of encoders under a pattern.
+std::vector<std::string> keys_of_spec() {
+  std::vector<std::string> keys;
+  const auto add = [&](const std::string& section, const std::vector<Parameter>& rows) {
+    for (const Parameter& row : rows) keys.push_back(section + std::string(row.name));
+  };
+  add("", spec_format::top());
+  add("robot.", spec_format::robot());
+  add("robot.tool.", spec_format::tool());
+  for (const std::string& key : encoder_keys()) keys.push_back("encoders.*." + key);
+  add("configurations.", spec_format::configurations());
+  add("motion.", spec_format::motion());
+  add("control.", spec_format::control());
+  add("log.", spec_format::log());
+  add("design.", spec_format::design());
+  return keys;
+}
+
 }  // namespace
 
 std::vector<Option> spec_options(std::string_view meaning) {
@@ -42,7 +62,9 @@ std::vector<Option> spec_options(std::string_view meaning) {
           {.name = "--set",
            .value = "KEY=VALUE",
            .kind = OptionKind::repeat,
-           .meaning = "override one value of the spec, e.g. encoders.elbow.bits=19"},
+           .meaning = "override one value of the spec, e.g. encoders.elbow.bits=19",
+           .choices = keys_of_spec,
+           .open = true},
           {.name = "--seed",
            .value = "N",
            .kind = OptionKind::whole,

@@ -151,6 +151,8 @@ int write_csv(SweepJob job, const Values& v) {
     warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew, "
                              "and those that it holds compared"},
          v);
+  if (v.text("output") != "-")
+    say_on_interrupt(v.text("output") + " has the rows so far: the same command with --resume goes on");
   const SweepOutcome outcome = sweep.run(
       kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
       progress(v, "variants"));

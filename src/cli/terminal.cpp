@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <list>
 #include <memory>
 #include <string>
 
@@ -65,6 +66,7 @@ std::string amount(double count) {
 }
 
 std::atomic<bool> progress_is_visible = false;
+std::atomic<const std::string*> on_interrupt = nullptr;
 
 }  // namespace
 
@@ -99,33 +101,79 @@ void print_error(const std::string& text) {
   std::fputs((width > 0 ? within(text, width) : text + '\n').c_str(), stderr);
 }
 
-std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {
-  if (Caller* by = caller())
-    return [by](std::uint64_t, std::uint64_t) {
-      if (by->stops) throw Stopped();
-    };
-  const std::string& when = v.text("progress");
-  const bool terminal = isatty(STDERR_FILENO);
-  if (when == "never" || (when == "auto" && (v.given("quiet") || !terminal))) return {};
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const auto last_shown = std::make_shared<Clock::time_point>(start);
-  return [=, noun = std::string(noun)](std::uint64_t done, std::uint64_t total) {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A line on standard error that is written anew while work goes on; where the program runs within another
+/// one, the place where that one stops the work.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const Values& v) : by_(caller()), terminal_(isatty(STDERR_FILENO)) {
+    const std::string& when = v.text("progress");
+    silent_ = when == "never" || (when == "auto" && (v.given("quiet") || !terminal_));
+  }
+  bool is_needed() const { return by_ || !silent_; }
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// Whether it is time for the next line. The rate of the first moment misleads.
+  /// @throws Stopped if the caller has stopped the work
+  bool is_due() {
+    if (by_ && by_->stops) throw Stopped();
     const auto now = Clock::now();
-    if (done >= total) return clear_progress();
-    // The rate of the first moment misleads.
-    if (done == 0 || now - start < std::chrono::milliseconds(300) ||
-        now - *last_shown < std::chrono::milliseconds(terminal ? 100 : 1000))
-      return;
-    *last_shown = now;
-    const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - start).count();
-    const double part = static_cast<double>(done) / static_cast<double>(total);
-    const std::string line = fixed_point(100 * part, 0) + " % of " + amount(static_cast<double>(total)) +
-                             (noun.empty() ? "" : ' ' + noun) + ", " + readable(rate, "/s") + ", " +
-                             duration(static_cast<double>(total - done) / rate) + " left";
-    std::fprintf(stderr, terminal ? "\r%s\x1b[K" : "%s\n", line.c_str());
+    if (by_ || now - start_ < std::chrono::milliseconds(300) ||
+        now - shown_ < std::chrono::milliseconds(terminal_ ? 100 : 1000))
+      return false;
+    shown_ = now;
+    return true;
+  }
+
+  void show(const std::string& line) const {
+    std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stderr);
-    progress_is_visible = terminal;
+    progress_is_visible = terminal_;
+  }
+
+ private:
+  Caller* by_;
+  bool terminal_, silent_ = false;
+  Clock::time_point start_ = Clock::now(), shown_ = start_;
+};
+
+}  // namespace
+
+std::string_view interrupt_message() noexcept {
+  if (const std::string* said = on_interrupt) return *said;
+  return "\nqerr: stopped; unfinished files are removed\n";
+}
+
+void say_on_interrupt(const std::string& how_to_go_on) {
+  static std::list<std::string> all;  // a signal may be reading the one before
+  on_interrupt = &all.emplace_back("\nqerr: stopped; " + how_to_go_on + '\n');
+}
+
+std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {
+  const auto line = std::make_shared<ProgressLine>(v);
+  if (!line->is_needed()) return {};
+  return [line, noun = std::string(noun)](std::uint64_t done, std::uint64_t total) {
+    const bool due = line->is_due();
+    if (done >= total) return clear_progress();
+    if (done == 0 || !due) return;
+    const double rate = static_cast<double>(done) / line->elapsed();
+    const double part = static_cast<double>(done) / static_cast<double>(total);
+    line->show(fixed_point(100 * part, 0) + " % of " + amount(static_cast<double>(total)) +
+               (noun.empty() ? "" : ' ' + noun) + ", " + readable(rate, "/s") + ", " +
+               duration(static_cast<double>(total - done) / rate) + " left");
+  };
+}
+
+std::function<void(std::size_t, double)> search_progress(const Values& v) {
+  const auto line = std::make_shared<ProgressLine>(v);
+  if (!line->is_needed()) return {};
+  return [line](std::size_t search, double part) {
+    if (line->is_due())
+      line->show("search " + std::to_string(search) + ", " + fixed_point(100 * std::min(part, 1.0), 0) +
+                 " % of its work at most, " + duration(line->elapsed()));
   };
 }
 

@@ -181,6 +181,7 @@ void EncoderSearch::refresh_multipliers() {
 }
 
 void EncoderSearch::explore(PermittedOptions permitted) {
+  if (request_.progress) request_.progress(work_ / request_.work);
   std::int64_t bound = 0;
   if (!restrict(permitted, bound) || cannot_precede(permitted, bound)) return;
   if (ended_ || work_ > request_.work) {

@@ -1,17 +1,20 @@
 #pragma once
 
+#include <functional>
+
 #include "design/choice_pool.hpp"
 
 namespace qerr {
 
 /// What a search looks for.
 struct ChoiceRequest {
-  std::vector<double> limits;                 ///< [figure]; +infinity: none
-  std::int64_t most = std::int64_t{1} << 62;  ///< highest price
-  std::size_t wanted = 2;                     ///< how many choices, 1 or 2
-  std::vector<OptionChoice> known = {};       ///< to begin with, if they meet the limits
-  std::vector<OptionChoice> excluded = {};    ///< not to be found
-  double work = 1.5e10;                       ///< multiply-adds, about, after which the search ends
+  std::vector<double> limits;                      ///< [figure]; +infinity: none
+  std::int64_t most = std::int64_t{1} << 62;       ///< highest price
+  std::size_t wanted = 2;                          ///< how many choices, 1 or 2
+  std::vector<OptionChoice> known = {};            ///< to begin with, if they meet the limits
+  std::vector<OptionChoice> excluded = {};         ///< not to be found
+  double work = 1.5e10;                            ///< multiply-adds, about, after which the search ends
+  std::function<void(double part)> progress = {};  ///< called with the part of `work` that is done
 };
 
 /// The choices found, least price first.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <map>
 
 #include "core/text.hpp"
@@ -15,6 +16,8 @@
 namespace qerr {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::string_view mcap_magic = "\x89MCAP0\r\n", sqlite_magic = "SQLite format 3",
                            zstd_magic = "\x28\xB5\x2F\xFD";
@@ -263,16 +266,101 @@ class SqliteBag : public BagFile {
   std::uint64_t position_ = 0;
 };
 
-}  // namespace
-
-bool is_bag(std::string_view head) { return head.starts_with(mcap_magic) || head.starts_with(sqlite_magic); }
-
-std::unique_ptr<BagFile> open_bag(const std::string& path, const std::string& topic) {
+std::string head_of(const std::string& path) {
   std::string head(16, '\0');
   ByteSource source(path);
   head.resize(source.read(head.data(), head.size()));
+  return head;
+}
+
+std::unique_ptr<BagFile> open_part(const std::string& path, const std::string& topic) {
+  const std::string head = head_of(path);
   if (head.starts_with(sqlite_magic)) return std::make_unique<SqliteBag>(path, topic);
   return std::make_unique<McapFile>(path, topic);
+}
+
+/// The folder of a recording; "" for a path of a single file.
+std::string folder_of_bag(const std::string& path) {
+  const fs::path given(path);
+  std::error_code unknown;
+  if (fs::is_directory(given, unknown)) return path;
+  if (given.filename() != "metadata.yaml") return "";
+  return given.has_parent_path() ? given.parent_path().string() : ".";
+}
+
+/// The files of a bag. rosbag2 numbers them: NAME_0.mcap, NAME_1.mcap, ..., NAME_10.mcap.
+std::vector<std::string> parts_of_bag(const std::string& path) {
+  const std::string folder = folder_of_bag(path);
+  if (folder.empty()) return {path};
+  std::vector<std::string> parts;
+  bool compressed = false;
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    const std::string ending = entry.path().extension().string();
+    if (ending == ".mcap" || ending == ".db3") parts.push_back(entry.path().string());
+    compressed = compressed || ending == ".zstd";
+  }
+  if (parts.empty())
+    throw Error(
+        {{path, 0, 0},
+         "",
+         "a folder that has no file of a bag: .mcap or .db3",
+         "",
+         compressed ? "unpack those that are compressed as a whole: zstd -d FILE.zstd" : "name a file"},
+        Trouble::file_system);
+  std::sort(parts.begin(), parts.end(), [](const std::string& a, const std::string& b) {
+    return std::pair(a.size(), a) < std::pair(b.size(), b);
+  });
+  return parts;
+}
+
+/// Files of one recording, one after the other.
+class SplitBag : public BagFile {
+ public:
+  SplitBag(std::vector<std::string> parts, std::string topic)
+      : parts_(std::move(parts)), topic_(std::move(topic)) {}
+
+  bool next(BagMessage& message) override {
+    while (!part_ || !part_->next(message)) {
+      if (part_) before_ += part_->position(), cut_off_ = cut_off_ || part_->is_cut_off();
+      if (opened_ == parts_.size()) return part_.reset(), false;
+      part_ = open_part(parts_[opened_++], topic_);
+    }
+    return true;
+  }
+
+  std::uint64_t position() const override { return before_ + (part_ ? part_->position() : 0); }
+  bool is_cut_off() const override { return cut_off_; }
+
+ private:
+  std::vector<std::string> parts_;
+  std::string topic_;
+  std::unique_ptr<BagFile> part_;
+  std::size_t opened_ = 0;
+  std::uint64_t before_ = 0;  // bytes of the parts that have been read
+  bool cut_off_ = false;
+};
+
+}  // namespace
+
+bool is_bag(const std::string& path) {
+  if (!folder_of_bag(path).empty()) return true;
+  std::error_code unknown;
+  if (path == "-" || !fs::is_regular_file(path, unknown)) return false;
+  const std::string head = head_of(path);
+  return head.starts_with(mcap_magic) || head.starts_with(sqlite_magic);
+}
+
+std::uint64_t size_of_bag(const std::string& path) {
+  std::uint64_t sum = 0;
+  for (const std::string& part : parts_of_bag(path)) sum += ByteSource(part).size();
+  return sum;
+}
+
+std::unique_ptr<BagFile> open_bag(const std::string& path, const std::string& topic) {
+  std::vector<std::string> parts = parts_of_bag(path);
+  if (parts.size() == 1) return open_part(parts.front(), topic);
+  return std::make_unique<SplitBag>(std::move(parts), topic);
 }
 
 }  // namespace qerr

@@ -25,9 +25,14 @@ class BagFile {
   virtual bool is_cut_off() const { return false; }
 };
 
-/// Whether a file begins like one of them.
-bool is_bag(std::string_view head);
+/// Whether a path names a bag: a file that begins like one, the folder that rosbag2 records into, or the
+/// `metadata.yaml` in it. A pipe, whose writer would notice the look, is none.
+bool is_bag(const std::string& path);
 
+/// Bytes of all files of a bag.
+std::uint64_t size_of_bag(const std::string& path);
+
+/// Of a recording that was split, the files in the order of their numbers are one bag.
 /// @param topic  of the messages; "" for all
 /// @throws Error (file_system) if the file cannot be read; (input) if it is no bag
 std::unique_ptr<BagFile> open_bag(const std::string& path, const std::string& topic);

@@ -48,8 +48,7 @@ class BagSamples : public LogSamples {
  public:
   BagSamples(const std::string& path, std::string stream, BagStream found, std::vector<std::string> warnings,
              const LogReading& reading, LogClock& clock)
-      : source_(path),
-        path_(path),
+      : path_(path),
         stream_(std::move(stream)),
         found_(std::move(found)),
         warnings_(std::move(warnings)),
@@ -112,7 +111,8 @@ class BagSamples : public LogSamples {
   std::string text(std::size_t chosen) const override { return shortest(values_[chosen]); }
   DecimalText written(std::size_t) const override { return unrounded; }
   DecimalText written_time() const override { return {9, 9, 19}; }
-  const ByteSource& source() const override { return source_; }
+  std::string file() const override { return path_; }
+  std::uint64_t size() const override { return size_of_bag(path_); }
   std::uint64_t position() const override { return bag_ ? bag_->position() : 0; }
   std::vector<std::string> first_texts(std::size_t signal) const override {
     return signal == 0 ? std::vector<std::string>{} : found_.texts[signal - 1];
@@ -129,7 +129,6 @@ class BagSamples : public LogSamples {
 
   bool uses_header() const { return found_.stamped == found_.samples; }
 
-  ByteSource source_;
   std::string path_, stream_;
   BagStream found_;
   std::vector<std::string> warnings_;

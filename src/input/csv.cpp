@@ -160,12 +160,17 @@ void CsvReader::add_units() {
 }
 
 /// Makes the header as wide as the rows: they may end with a separator where it does not, or the other way
-/// round, and between blanks `angle (deg)` is one name.
+/// round; between blanks `angle (deg)` is one name, between commas `Angle, deg`.
 void CsvReader::fit_header() {
   const bool blanks = format_.separator == ' ';
-  for (std::size_t i = header_.size(); blanks && header_.size() > format_.cells && i-- > 1;) {
-    if (header_[i].empty() || (header_[i][0] != '(' && header_[i][0] != '[')) continue;
-    header_[i - 1] += ' ' + header_[i];
+  const auto is_unit = [&](const std::string& cell) {
+    return blanks ? cell.starts_with('(') || cell.starts_with('[') : is_unit_behind_comma(cell);
+  };
+  const auto units = static_cast<std::size_t>(std::count_if(header_.begin() + 1, header_.end(), is_unit));
+  const bool joins = blanks || (format_.separator == ',' && header_.size() == format_.cells + units);
+  for (std::size_t i = header_.size(); joins && header_.size() > format_.cells && i-- > 1;) {
+    if (!is_unit(header_[i])) continue;
+    header_[i - 1] += blanks ? ' ' + header_[i] : " [" + header_[i] + ']';
     header_.erase(header_.begin() + static_cast<std::ptrdiff_t>(i));
     header_places_.erase(header_places_.begin() + static_cast<std::ptrdiff_t>(i));
   }

@@ -254,13 +254,14 @@ void CsvReader::ragged(std::size_t cells) const {
 /// @throws Error (input) for a point that may be one of thousands
 std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) {
   std::string text = cell.text;
-  const bool commas = format_.decimal == ',' || format_.decimal_unknown;
-  if (!commas || text.find(',') == std::string::npos) {
-    if (format_.decimal == ',' && is_numeric(text, '.') && may_be_thousands(text))
+  if (!limits_.recognize || is_numeric(text, '.')) {
+    if (format_.decimal == ',' && may_be_thousands(text))
       throw Error(ambiguous_point(place_at(cell.begin), header_[chosen_[chosen]], text));
     return text;
   }
-  if (text.find('.') != std::string::npos ? remove_thousands(text) : replace_decimal_comma(text)) {
+  const bool commas = format_.decimal == ',' || format_.decimal_unknown;
+  const auto mark = remove_thousands(text);
+  if (mark == ',' || (!mark && commas && replace_decimal_comma(text))) {
     format_.decimal = ',';
     fast_row_ = row_reader();
   }

@@ -87,8 +87,12 @@ AssumedEncoder assumed_encoder(const RobotModel& robot, const std::vector<Stated
   if (joint.prismatic())
     return {example_of([](const EncoderKind& k) { return k.resolution_at_joint != nullptr; }),
             "a linear scale on the joint"};
-  return {example_of([](const EncoderKind& k) { return k.absolute_within == AbsoluteRange::revolution; }),
-          "an absolute encoder on the joint side"};
+  AssumedEncoder own{
+      example_of([](const EncoderKind& k) { return k.absolute_within == AbsoluteRange::revolution; }),
+      "an absolute encoder on the joint side"};
+  if (ratio != -1) return own;
+  set(own.entry, "gear_ratio", "-1");
+  return {own.entry, own.assumption + ", which counts against it, as the URDF's motor turns"};
 }
 
 /// Whether all joints of the chain have the range [0, 0], which exporters write for limits that nobody

@@ -5,18 +5,18 @@
 #include <optional>
 
 #include "core/suggest.hpp"
-#include "input/csv.hpp"
 #include "input/joint_entries.hpp"
+#include "input/log_table.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// Opens a table. A file that is no CSV may be any file: messages do not show its content.
-void open(std::optional<CsvReader>& table, const std::string& path) {
+/// Opens a table. A file that is none may be any file: messages do not show its content.
+LogTable opened_table(const std::string& path, const LogReading& reading) {
   try {
-    table.emplace(path);
+    return {path, reading, {}};
   } catch (const Error& e) {
     std::vector<Fault> faults = e.faults();
     for (Fault& fault : faults) fault.found.clear();
@@ -24,38 +24,62 @@ void open(std::optional<CsvReader>& table, const std::string& path) {
   }
 }
 
+/// How surely a column has the positions of a joint: called like it, or its signal in a log, the truth
+/// first, or a JointState's; empty if it has not.
+std::optional<std::size_t> rank_of(const LogHeader& column, const std::string& joint) {
+  const std::string name = column_name(column.text).name;
+  const std::string names[] = {joint, joint + ".reference", joint + ".measured", joint + ".command"};
+  for (std::size_t rank = 0; rank < std::size(names); ++rank)
+    if (name == names[rank] || column.meaning.signal == names[rank]) return rank;
+  return name.ends_with('/' + joint + "/position") ? std::optional(std::size(names)) : std::nullopt;
+}
+
+/// The column of a joint.
+std::size_t find_column(const LogTable& table, const std::string& joint) {
+  std::vector<std::string> names;
+  std::vector<std::size_t> best;
+  std::size_t best_rank = std::string::npos;
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    names.push_back(column_name(table.header()[i].text).name);
+    const auto rank = rank_of(table.header()[i], joint);
+    if (!rank || *rank > best_rank) continue;
+    if (*rank < best_rank) best.clear();
+    best_rank = *rank;
+    best.push_back(i);
+  }
+  if (best.empty())
+    throw Error({table.header()[0].place, joint, "the file has no column for this joint", "",
+                 did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it"});
+  if (best.size() > 1)
+    throw Error({table.header()[best[1]].place, joint, "duplicate column", "", "keep one of them"});
+  return best.front();
+}
+
 /// A file without any column of the chain is some other file, too.
-void require_columns(const CsvReader& table, const Chain& chain) {
-  for (const std::string& cell : table.header())
+void require_columns(const LogTable& table, const Chain& chain) {
+  for (const LogHeader& column : table.header())
     for (const std::string& name : joint_names(chain))
-      if (column_name(cell).name == name) return;
-  throw Error({table.header_place(0), "", "no column of the file is a joint of the chain", "",
-               "give a CSV file with a header of the joints' names: " + list_of_names(joint_names(chain))});
+      if (rank_of(column, name)) return;
+  throw Error({table.header()[0].place, "", "no column of the file is a joint of the chain", "",
+               "give a file with a header of the joints' names: " + list_of_names(joint_names(chain)) +
+                   ", or map its columns, as with log: {columns: {" + joint_names(chain)[0] +
+                   ".reference: COLUMN}}"});
 }
 
 /// The scale of a column from its unit to SI.
-Unit column_unit(const std::string& cell, Dimension dimension, const Place& place) {
-  const std::string unit = column_name(cell).unit;
+Unit column_unit(const LogHeader& column, const std::string& joint, Dimension dimension) {
+  const ColumnName cell = column_name(column.text);
+  // A joint may be called `wrist_deg`.
+  const bool plain = cell.name == joint && !column.meaning.mapped;
+  const std::string words = unit_in_words(cell.unit);
+  const std::string unit = !plain ? column.meaning.unit : words.empty() ? cell.unit : words;
   if (unit.empty()) return {};
   std::string why;
   const auto read = parse_unit(unit, why);
   if (!read || read->dimension != dimension)
-    throw Error({place, cell, "the column has the wrong unit", "'" + unit + "'",
+    throw Error({column.place, column.text, "the column has the wrong unit", "'" + unit + "'",
                  "use " + unit_name(dimension) + " or a unit of that kind"});
   return *read;
-}
-
-/// The index of a named column.
-std::size_t find_column(const CsvReader& table, const std::string& name, const std::string& rule) {
-  std::vector<std::string> names;
-  for (const std::string& cell : table.header()) names.push_back(column_name(cell).name);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) throw Error({table.header_place(0), name, rule, "", did_you_mean(name, names)});
-  const auto second = std::find(found + 1, names.end(), name);
-  if (second != names.end())
-    throw Error({table.header_place(static_cast<std::size_t>(second - names.begin())), name,
-                 "duplicate column", "", "keep one of them"});
-  return static_cast<std::size_t>(found - names.begin());
 }
 
 }  // namespace
@@ -69,41 +93,44 @@ std::string text_of(const Limits& l, const IndependentJoint& joint) {
   return "[" + shortest(l.lower) + ", " + shortest(l.upper) + "] " + unit_name(coordinate_dimension(joint));
 }
 
-JointTable read_joint_table(const std::string& path, const Chain& chain, TimeColumn with_time,
+JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColumn with_time,
                             std::vector<std::string>& warnings) {
-  std::optional<CsvReader> opened;
-  open(opened, path);
-  CsvReader& table = *opened;
+  const Chain& chain = spec.model.chain;
+  LogTable table = opened_table(path, spec.log);
   require_columns(table, chain);
   std::vector<std::size_t> columns;
   std::vector<Unit> units;
-  const auto choose = [&](const std::string& name, Dimension dimension, const std::string& rule) {
-    const std::size_t i = columns.emplace_back(find_column(table, name, rule));
-    units.push_back(column_unit(table.header()[i], dimension, table.header_place(i)));
-  };
   const std::size_t has_time = with_time == TimeColumn::required;
-  if (has_time) choose("time", dimension::time, "the file has no column for the time");
-  for (const IndependentJoint& joint : chain.independent)
-    choose(joint.name, coordinate_dimension(joint), "the file has no column for this joint");
-  table.choose(columns);
+  if (has_time) {
+    const auto time = std::find_if(table.header().begin(), table.header().end(),
+                                   [](const LogHeader& h) { return h.meaning.signal == "time"; });
+    if (time == table.header().end())
+      throw Error({table.header()[0].place, "time", "the file has no column for the time", "",
+                   "add a column 'time [s]', or say which it is: log: {time: COLUMN}"});
+    columns.push_back(static_cast<std::size_t>(time - table.header().begin()));
+  }
+  for (const IndependentJoint& joint : chain.independent) {
+    columns.push_back(find_column(table, joint.name));
+    units.push_back(column_unit(table.header()[columns.back()], joint.name, coordinate_dimension(joint)));
+  }
+  table.choose(columns, std::vector(columns.size(), Joining::held));
   if (table.header().size() > columns.size())
     warnings.push_back(table.file() + ": columns that are not joints of the chain are ignored");
 
   JointTable result{table.file(), {}, {}, {}};
   std::vector<double> row(columns.size()), positions;
-  while (table.next(row.data())) {
-    for (std::size_t i = 0; i < row.size(); ++i) row[i] = units[i].in_si(row[i]);
+  while (table.next(row.data(), 1)) {
     if (has_time && !result.time.empty() && !(row[0] > result.time.back()))
-      throw Error({table.place(0), "time", "time must increase from row to row",
+      throw Error({table.last_line(), "time", "time must increase from row to row",
                    shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
                    "sort the rows and keep one per instant"});
     if (has_time) result.time.push_back(row[0]);
-    positions.insert(positions.end(), row.begin() + static_cast<std::ptrdiff_t>(has_time), row.end());
-    result.lines.push_back(table.line());
+    for (std::size_t i = 0; i < units.size(); ++i) positions.push_back(units[i].in_si(row[has_time + i]));
+    result.lines.push_back(table.last_line().line);
   }
+  for (std::string& warning : table.warnings()) warnings.push_back(std::move(warning));
   if (result.lines.empty())
-    throw Error(
-        {{table.file(), table.line(), 1}, "", "the file has no rows of numbers", "", "give at least one"});
+    throw Error({table.last_line(), "", "the file has no rows of numbers", "", "give at least one"});
   result.positions =
       Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
                                         static_cast<Eigen::Index>(result.lines.size()));

@@ -8,7 +8,9 @@
 
 namespace qerr {
 
-/// A CSV file with one column per independent joint, `JOINT` or `JOINT [unit]`, in SI units.
+/// A file with one column per independent joint, in SI units: whatever a log can be (`LogReader`), a bag,
+/// too. Its columns are called `JOINT [unit]` or like a signal of a log, or the spec's section `log` names
+/// them.
 struct JointTable {
   std::string path;
   std::vector<double> time;   ///< `time [s]`; empty without TimeColumn::required
@@ -22,7 +24,7 @@ enum class TimeColumn { none, required };
 /// Columns that are not joints of the chain are ignored with a warning.
 /// @throws Error (input) with the place of a missing or duplicate column, a wrong unit, or time that does not
 /// increase
-JointTable read_joint_table(const std::string& path, const Chain&, TimeColumn,
+JointTable read_joint_table(const std::string& path, const Spec&, TimeColumn,
                             std::vector<std::string>& warnings);
 
 /// The limits of a joint in its unit, for a message.

@@ -196,6 +196,11 @@ double LogClock::seconds(const TimeStamp& stamp) {
          static_cast<double>(stamp.attoseconds - origin_->attoseconds) / atto;
 }
 
+double LogClock::seconds(double stamp) {
+  if (!origin_ && std::abs(stamp) < farthest) origin_ = TimeStamp{};
+  return origin_ && origin_->seconds == 0 ? stamp : seconds(rounded(stamp));
+}
+
 std::string epoch_unit(double stamp) {
   // From 1973 to 5138 in each unit: the ranges do not overlap.
   constexpr std::pair<double, const char*> units[] = {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}};

@@ -31,6 +31,7 @@ class LogClock {
   std::optional<double> seconds(std::string_view text, const Unit&, WrittenNumbers&);
 
   double seconds(const TimeStamp&);
+  double seconds(double stamp);  ///< [s]
 
   /// Recorded time of the origin [s].
   double origin() const;

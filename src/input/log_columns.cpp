@@ -5,6 +5,7 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "input/bag_file.hpp"
 #include "input/log_proposal.hpp"
 #include "input/read_sections.hpp"
 
@@ -180,8 +181,10 @@ class ColumnFinder {
 
   static Error duplicate(const LogHeader& first, const LogHeader& second) {
     const bool one_file = first.place.file == second.place.file;
+    const bool parts = !one_file && is_bag(first.place.file) && is_bag(second.place.file);
     return Error({second.place, second.text, "duplicate column",
-                  one_file ? "" : "'" + first.text + "' in " + first.place.file, "keep one of them"});
+                  one_file ? "" : "'" + first.text + "' in " + first.place.file,
+                  parts ? "of one recording in several files name the folder" : "keep one of them"});
   }
 
   /// Every column of the mapping must be in a file.

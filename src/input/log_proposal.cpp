@@ -52,7 +52,8 @@ constexpr std::string_view motor_words =
     " motor rotor drive enc encoder codeur input primary theta hall actuator ";
 constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
 constexpr std::string_view sensor_words =
-    " ref reference referenz truth true external laser tracker mocap vicon vrpn optitrack qualisys leica "
+    " ref reference referenz truth true ext extern external laser tracker mocap vicon vrpn optitrack "
+    "qualisys leica "
     "faro marker "
     "autocollimator collimator interferometer gauge ";
 
@@ -109,10 +110,20 @@ struct GuessedColumn {
 std::vector<double> numbers_of(const std::vector<std::string>& texts) {
   std::vector<double> numbers;
   for (std::string text : texts) {
-    replace_decimal_comma(text);
+    make_plain_number(text);
     if (const auto number = parse_number(text)) numbers.push_back(*number);
   }
   return numbers;
+}
+
+/// Of two columns of one table; 0 if one of them rests, or has gaps.
+double correlation_of(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto n = static_cast<Eigen::Index>(x.size());
+  if (x.size() != y.size() || x.size() < 10) return 0;
+  const Eigen::Map<const Eigen::ArrayXd> a(x.data(), n), b(y.data(), n);
+  const Eigen::ArrayXd da = a - a.mean(), db = b - b.mean();
+  const double norm = std::sqrt(da.square().sum() * db.square().sum());
+  return norm > 0 ? (da * db).sum() / norm : 0;
 }
 
 /// A whole number of a few digits.
@@ -168,6 +179,8 @@ class MappingGuess {
                     {}, {},         0};
     if (c.values.empty()) return;
     c.role = role_of(c.words);
+    if (c.role == ColumnRole::none && c.unit == "count") c.role = ColumnRole::counts;
+    if (c.role == ColumnRole::tip && named_joint(c)) c.role = ColumnRole::position;
     const bool angle = has_dimension(c.unit, dimension::angle);
     if (angle && (c.role == ColumnRole::none || c.role == ColumnRole::tip)) c.role = ColumnRole::position;
     for (const std::string& word : c.words)
@@ -296,7 +309,24 @@ class MappingGuess {
     if (next < positions.size() && !taken_.contains(name + ".reference"))
       add_source(name + ".reference", *positions.back(), position_unit(*positions.back(), j));
     if (known || !positions.empty()) take_others(name, j);
+    if (const auto like = lone_follower(positions); like && !taken_.contains(name + ".reference"))
+      add_source(name + ".reference", **like, position_unit(**like, j));
     return known || !positions.empty();
+  }
+
+  /// Of a joint with one position, the only other column whose values follow it, whatever it is called.
+  std::optional<const GuessedColumn*> lone_follower(
+      const std::vector<const GuessedColumn*>& positions) const {
+    constexpr double follows = 0.9999;  // backlash of 1 % of the motion is a correlation of 0.9999
+    if (positions.size() != 1 || positions[0]->smallest_step() == 0) return std::nullopt;
+    std::optional<const GuessedColumn*> found;
+    for (const GuessedColumn& c : columns_) {
+      if (used_.contains(c.index) || (c.role != ColumnRole::none && c.role != ColumnRole::position)) continue;
+      if (std::abs(correlation_of(positions[0]->values, c.values)) < follows) continue;
+      if (found) return std::nullopt;
+      found = &c;
+    }
+    return found;
   }
 
   void take_measured(const std::string& name, std::size_t j, const GuessedColumn& c) {

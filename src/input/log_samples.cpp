@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 #include "core/statistics.hpp"
 #include "input/bag_file.hpp"
@@ -31,6 +30,13 @@ StampReader::StampReader(const CsvReader& table, std::size_t column, std::size_t
 double StampReader::operator()() {
   const std::string_view text = table_.chosen_text(text_);
   if (const auto seconds = clock_.seconds(text, unit_, written_)) return *seconds;
+  std::string plain(text);
+  if (remove_thousands(plain)) {
+    const std::size_t size = plain.size();
+    plain += '\n';  // ends the number
+    if (const auto seconds = clock_.seconds(std::string_view(plain).substr(0, size), unit_, written_))
+      return *seconds;
+  }
   if (text.empty()) refuse("the cell is empty", "write a plain number, or leave the row out");
   double number = 0;
   if (read_number(text.data(), number, written_) == text.data() + text.size())
@@ -76,18 +82,26 @@ std::string unit_of_steps(const std::vector<double>& stamps) {
   return found == "?" ? "" : found;
 }
 
-std::string recognize_stamps(const CsvReader& table, std::size_t column, ColumnMeaning& meaning) {
-  const std::string& header = table.header()[column];
+std::vector<std::string> first_cells(const CsvReader& table, std::size_t column, std::size_t most) {
+  std::vector<std::string> cells;
+  for (std::vector<std::string>& row : table.first_rows(most))
+    if (column < row.size()) cells.push_back(std::move(row[column]));
+  return cells;
+}
+
+std::string recognize_stamps(const std::string& file, const std::vector<std::string>& names,
+                             std::size_t column, std::vector<std::string> first_texts,
+                             ColumnMeaning& meaning) {
+  const std::string& header = names[column];
   const bool by_name = !meaning.mapped && measured_name(header).name != "time";
   std::string how;
   if (meaning.unit.empty()) {
     std::vector<double> stamps;
     bool calendar = false;
     WrittenNumbers written;
-    for (const std::vector<std::string>& row : table.first_rows(20)) {
-      if (column >= row.size() || row[column].empty()) continue;
-      std::string text = row[column];
-      replace_decimal_comma(text);
+    for (std::string& text : first_texts) {
+      if (text.empty()) continue;
+      make_plain_number(text);
       double stamp = 0;
       text += '\n';
       if (read_number(text.data(), stamp, written) == text.data() + text.size() - 1)
@@ -100,7 +114,7 @@ std::string recognize_stamps(const CsvReader& table, std::size_t column, ColumnM
     } else if (!stamps.empty()) {
       if (const std::string unit = epoch_unit(stamps.front()); !unit.empty())
         meaning.unit = unit, how = unit + " since 1970, by their size";
-      else if (const std::string program = program_time_unit(table.header()); !program.empty())
+      else if (const std::string program = program_time_unit(names); !program.empty())
         meaning.unit = program, how = program + ", as libfranka writes them";
       else if (const std::string named = unit_in_words(measured_name(header).name); by_name && !named.empty())
         meaning.unit = named;
@@ -110,7 +124,7 @@ std::string recognize_stamps(const CsvReader& table, std::size_t column, ColumnM
   }
   meaning.signal = "time";
   if (how.empty() && !by_name) return "";
-  return table.file() + ": '" + header + "' is read as the time stamps" +
+  return file + ": '" + header + "' is read as the time stamps" +
          (how.empty() ? meaning.unit.empty() ? "" : ", in " + meaning.unit : ", in " + how);
 }
 
@@ -122,7 +136,9 @@ class WideSamples : public LogSamples {
       : table_(std::move(table)), clock_(clock), empty_stamps_(reading.missing == MissingValues::drop) {
     std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
     time_ = time_column(meanings);
-    if (time_) stamps_ = recognize_stamps(*table_, *time_, meanings[*time_]);
+    if (time_)
+      stamps_ = recognize_stamps(table_->file(), table_->header(), *time_,
+                                 first_cells(*table_, *time_, sampled_stamps), meanings[*time_]);
     for (std::size_t i = 0; i < table_->header().size(); ++i)
       signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
   }
@@ -154,13 +170,12 @@ class WideSamples : public LogSamples {
   std::string text(std::size_t chosen) const override { return table_->text(chosen); }
   DecimalText written(std::size_t chosen) const override { return table_->written(chosen); }
   DecimalText written_time() const override { return stamp_ ? stamp_->written() : DecimalText{}; }
-  const ByteSource& source() const override { return table_->source(); }
+  std::string file() const override { return table_->file(); }
+  std::uint64_t size() const override { return table_->source().size(); }
+  std::uint64_t position() const override { return table_->source().position(); }
   std::vector<std::string> first_texts(std::size_t signal) const override {
     constexpr std::size_t most = 1000;
-    std::vector<std::string> texts;
-    for (std::vector<std::string>& row : table_->first_rows(most))
-      if (signal < row.size()) texts.push_back(std::move(row[signal]));
-    return texts;
+    return first_cells(*table_, signal, most);
   }
   std::vector<std::string> warnings() const override { return format_warnings(*table_, stamps_); }
 
@@ -177,23 +192,9 @@ class WideSamples : public LogSamples {
 
 }  // namespace
 
-namespace {
-
-/// The first bytes of a file that can be read again; "" of a pipe, whose writer would notice.
-std::string head_of(const std::string& path) {
-  std::error_code unknown;
-  if (path == "-" || !std::filesystem::is_regular_file(path, unknown)) return {};
-  ByteSource source(path);
-  std::string head(16, '\0');
-  head.resize(source.read(head.data(), head.size()));
-  return head;
-}
-
-}  // namespace
-
 std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const CsvLimits& limits,
                                                   const LogReading& reading, LogClock& clock) {
-  if (is_bag(head_of(path))) return open_bag_log(path, reading, clock);
+  if (is_bag(path)) return open_bag_log(path, reading, clock);
   CsvLimits any_format = limits;
   any_format.recognize = true;
   auto table = std::make_unique<CsvReader>(path, any_format);

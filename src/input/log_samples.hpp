@@ -8,6 +8,7 @@
 #include "input/csv.hpp"
 #include "input/log_clock.hpp"
 #include "input/log_names.hpp"
+#include "qerr/input/read_log.hpp"
 
 namespace qerr {
 
@@ -54,11 +55,12 @@ class LogSamples {
   /// The first values of a signal as texts; only before `choose`.
   virtual std::vector<std::string> first_texts(std::size_t signal) const = 0;
 
-  virtual const ByteSource& source() const = 0;
+  virtual std::string file() const = 0;
   /// The name of the file, and of the topic of a bag.
-  virtual std::string name() const { return source().name(); }
-  /// Bytes read.
-  virtual std::uint64_t position() const { return source().position(); }
+  virtual std::string name() const { return file(); }
+  /// Bytes of the file, 0 of a pipe or of arrays; those of them that have been read.
+  virtual std::uint64_t size() const = 0;
+  virtual std::uint64_t position() const = 0;
   /// What a user should know about the file; complete after `choose`.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
@@ -75,13 +77,24 @@ std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const
 /// For a bag (see BagFile): a first pass finds its signals, and each stream of samples is read again.
 std::vector<std::unique_ptr<LogSamples>> open_bag_log(const std::string& path, const LogReading&, LogClock&);
 
+/// Of arrays in memory, which must outlive the result.
+/// @throws Error (input) if they do not have equally many values
+std::unique_ptr<LogSamples> array_samples(const std::vector<LogArray>&, const CsvLimits&, const LogReading&,
+                                          LogClock&);
+
 /// For a long file, whose header has the columns `signal` and `value`.
 std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, const LogReading&, LogClock&);
 
-/// What the first rows of a table say of its time stamps: completes the unit of their column, where neither
-/// header nor mapping gives it.
+inline constexpr std::size_t sampled_stamps = 20;  // say their unit
+
+/// What the first of a file's time stamps say: completes the unit of their column, where neither header nor
+/// mapping gives it.
 /// @returns what was recognized, for a warning; "" if nothing was
-std::string recognize_stamps(const CsvReader&, std::size_t column, ColumnMeaning&);
+std::string recognize_stamps(const std::string& file, const std::vector<std::string>& header,
+                             std::size_t column, std::vector<std::string> first_texts, ColumnMeaning&);
+
+/// The first cells of a column; only before the first row is read.
+std::vector<std::string> first_cells(const CsvReader&, std::size_t column, std::size_t most);
 
 /// The format of a table that is no plain one, and what was recognized of its time stamps.
 std::vector<std::string> format_warnings(const CsvReader&, const std::string& stamps);

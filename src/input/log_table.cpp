@@ -16,13 +16,20 @@ LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLi
   held.empty_cells = missing_values_ != MissingValues::error;
   held.empty_remedy =
       "; --set log.missing=drop leaves out all such rows, --hold holds the last value of a column";
-  for (const std::string& path : files.paths)
-    for (std::unique_ptr<LogSamples>& samples : open_log(path, held, reading, *clock_)) {
+  const auto opened = [&](std::size_t i) {
+    if (i < files.paths.size()) return open_log(files.paths[i], held, reading, *clock_);
+    std::vector<std::unique_ptr<LogSamples>> one;
+    one.push_back(array_samples(files.arrays, held, reading, *clock_));
+    return one;
+  };
+  const std::size_t sources = files.paths.size() + !files.arrays.empty();
+  for (std::size_t s = 0; s < sources; ++s)
+    for (std::unique_ptr<LogSamples>& samples : opened(s)) {
       File file;
       file.samples = std::move(samples);
       const auto time = file.samples->time();
       const auto& signals = file.samples->signals();
-      if (files.paths.size() > 1 && !time)
+      if (sources > 1 && !time)
         throw Error({signals[0].place, "", "files are joined by time: each needs time stamps", "",
                      "add a column 'time [s]'"});
       for (std::size_t i = 0; i < signals.size(); ++i) {
@@ -30,8 +37,8 @@ LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLi
         header_.push_back(signals[i]);
         sources_.emplace_back(files_.size(), i);
       }
-      const std::string& name = file.samples->source().name();
-      const bool of_the_last = !files_.empty() && files_.back().samples->source().name() == name;
+      const std::string name = file.samples->file();
+      const bool of_the_last = !files_.empty() && files_.back().samples->file() == name;
       if (!of_the_last) file_ += (file_.empty() ? "" : ", ") + name;
       files_.push_back(std::move(file));
     }
@@ -239,15 +246,13 @@ void LogTable::refuse_incomplete_rows() const {
                               : "leave out the signals that were not recorded"});
 }
 
-Place LogTable::last_line() const {
-  return {files_[0].samples->source().name(), files_[0].samples->line(), 1};
-}
+Place LogTable::last_line() const { return {files_[0].samples->file(), files_[0].samples->line(), 1}; }
 
 Place LogTable::place(std::size_t chosen) const {
   const Column& c = columns_[chosen];
   const LogSamples& samples = *files_[c.file].samples;
   if (samples.line_of(c.index) == c.line) return samples.place(c.index);
-  return {samples.source().name(), c.line, 1};  // held since an earlier row, which is gone
+  return {samples.file(), c.line, 1};  // held since an earlier row, which is gone
 }
 
 std::string LogTable::text(std::size_t chosen) const {
@@ -273,8 +278,8 @@ std::uint64_t LogTable::size() const {
   std::uint64_t sum = 0;
   for (const File& file : files_) {
     if (file.signals.empty()) continue;
-    if (file.samples->source().size() == 0) return 0;
-    sum += file.samples->source().size();
+    if (file.samples->size() == 0) return 0;
+    sum += file.samples->size();
   }
   return sum;
 }

@@ -92,7 +92,9 @@ class LongSamples : public LogSamples {
   std::string text(std::size_t chosen) const override { return shortest(signals_[chosen_[chosen]].value); }
   DecimalText written(std::size_t chosen) const override { return signals_[chosen_[chosen]].written.text(); }
   DecimalText written_time() const override { return written_time_; }
-  const ByteSource& source() const override { return table_->source(); }
+  std::string file() const override { return table_->file(); }
+  std::uint64_t size() const override { return table_->source().size(); }
+  std::uint64_t position() const override { return table_->source().position(); }
   std::vector<std::string> first_texts(std::size_t signal) const override {
     constexpr std::size_t most = 1000;
     std::vector<std::string> texts;
@@ -135,7 +137,8 @@ class LongSamples : public LogSamples {
                    "add a column 'time [s]'"});
     units_ = found[unit_text];
     const std::size_t stamp = column_[time_text];
-    stamps_ = recognize_stamps(*table_, stamp, meanings[stamp]);
+    stamps_ = recognize_stamps(table_->file(), table_->header(), stamp,
+                               first_cells(*table_, stamp, sampled_stamps), meanings[stamp]);
     headers_.push_back({table_->header()[stamp], table_->header_place(stamp), meanings[stamp]});
     signals_.emplace_back();
   }

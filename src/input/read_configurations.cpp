@@ -162,7 +162,7 @@ void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
   spec.points_file = (std::filesystem::path(folder) / *name).string();
   JointTable table;
   read_named_file(o.at("file"), spec.points_file, [&](const std::string& path) {
-    table = read_joint_table(path, spec.model.chain, TimeColumn::none, spec.warnings);
+    table = read_joint_table(path, spec, TimeColumn::none, spec.warnings);
   });
   for (Eigen::Index i = 0; i < table.positions.cols(); ++i) {
     const Eigen::VectorXd q = table.positions.col(i);

@@ -123,6 +123,14 @@ NamedEffects named_effects(const std::vector<Field>& entries) {
   return named;
 }
 
+/// Whether the way from base to tip leads from the child of a joint to its parent: the axis is reversed then.
+bool leads_to_parent(const RobotModel& robot, const Chain& chain, const std::string& joint) {
+  const auto at = find_joint(chain, joint);
+  const auto in_urdf =
+      std::find_if(robot.joints.begin(), robot.joints.end(), [&](const Joint& j) { return j.name == joint; });
+  return at && in_urdf != robot.joints.end() && chain.joints[*at].axis.dot(in_urdf->axis) < 0;
+}
+
 /// An entry of `effects`: an effect for each joint that its `joint` names, or whose pattern it fits and that
 /// no entry of the same type names.
 void read_effect(const Field& f, const NamedEffects& named, const RobotModel& robot, Spec& spec) {
@@ -141,6 +149,10 @@ void read_effect(const Field& f, const NamedEffects& named, const RobotModel& ro
                                              o.at("joint").node->place, o.at("joint").path)) {
     const std::string& name = spec.model.chain.independent[index].name;
     if (*o.text("joint") != name && named.contains({std::string(kind.name), name})) continue;
+    if (kind.displacements && leads_to_parent(robot, spec.model.chain, name))
+      throw Error(o.at("joint").fault(
+          "the way from base to tip leads from this joint's child to its parent, which has no such effect",
+          "displace the next joint of the way, or choose a base above"));
     of_joints.guard(spec.model.chain.independent[index], f,
                     [&] { spec.effects.push_back(effect_on(o, kind, format, index, spec)); });
   }
@@ -184,7 +196,7 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
 }
 
 void read_table(const Field& f, const std::string& path, Spec& spec, Motion& motion) {
-  const JointTable table = read_joint_table(path, spec.model.chain, TimeColumn::required, spec.warnings);
+  const JointTable table = read_joint_table(path, spec, TimeColumn::required, spec.warnings);
   motion.file = path;
   motion.table = {table.time, table.positions};
   if (table.time.size() < 2)

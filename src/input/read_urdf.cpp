@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <new>
 #include <sstream>
@@ -162,6 +163,40 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
   }
 }
 
+/// Replaces each planar joint by its coordinates: x and y in the plane, which is that of the joint's frame
+/// rotated by the least angle that takes z to the normal, and yaw about the normal. Two links without mass
+/// are between them.
+void split_planar_joints(RobotModel& model) {
+  std::vector<Joint> joints;
+  std::map<std::string, std::vector<std::string>> parts;
+  for (Joint& planar : model.joints) {
+    if (planar.type != JointType::planar) {
+      joints.push_back(std::move(planar));
+      continue;
+    }
+    const auto in_plane = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), planar.axis);
+    std::vector<std::string>& names = parts[planar.name];
+    for (int k = 0; k < 3; ++k) {
+      Joint& joint = joints.emplace_back(planar);
+      joint.name += planar_coordinates[static_cast<std::size_t>(k)];
+      joint.type = k < 2 ? JointType::prismatic : JointType::continuous;
+      if (k < 2) joint.axis = in_plane * Eigen::Vector3d::Unit(k);
+      joint.velocity_limit = joint.effort_limit = joint.stated_ratio = std::nullopt;
+      if (k > 0) joint.origin = Eigen::Isometry3d::Identity(), joint.parent = names.back();
+      if (k < 2) {
+        joint.child = model.links.emplace_back(joint.name);
+        model.inertias.emplace_back();
+      }
+      names.push_back(joint.name);
+    }
+  }
+  model.joints = std::move(joints);
+  for (Flaw& flaw : model.flaws)
+    for (const auto& [name, split] : parts)
+      if (std::erase(flaw.joints, name) > 0)
+        flaw.joints.insert(flaw.joints.end(), split.begin(), split.end());
+}
+
 bool is_program(const std::string& name) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
@@ -200,6 +235,7 @@ RobotModel parse_urdf(const std::string& text, const std::string& file) {
   UrdfReader reader(file);
   reader.read(root);
   take_from_urdfdom(reader.model, reader.written);
+  split_planar_joints(reader.model);
   return std::move(reader.model);
 }
 

@@ -211,7 +211,7 @@ const std::vector<Parameter>& configurations() {
       {.name = "points",
        .kind = Kind::any,
        .meaning = "of a list: one list of joint values per configuration"},
-      {.name = "file", .kind = Kind::text, .meaning = "of a file: CSV with one column per joint"},
+      {.name = "file", .kind = Kind::text, .meaning = "of a file: a table or bag with one column per joint"},
   };
   return rows;
 }
@@ -270,7 +270,7 @@ const std::vector<Parameter>& motion() {
        .meaning = "start of the motion that statistics exclude",
        .least = 0},
       {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others stay at 0"},
-      {.name = "file", .kind = Kind::text, .meaning = "CSV with time and one column per joint"},
+      {.name = "file", .kind = Kind::text, .meaning = "a table or bag with time and one column per joint"},
   };
   return rows;
 }

@@ -132,8 +132,14 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
            section(top, "walls", r.faults_, [&](const Field& f) { read_walls(f, r.spec_, r.faults_); });
          add_signals_of_joints(r.spec_);
        }},
-      {{"configurations"},
+      {{"log"},
        {},
+       [](Spec& spec) { spec.log = {}; },
+       [](SpecReader& r, const Object& top) {
+         section(top, "log", r.faults_, [&](const Field& f) { read_log_section(f, r.spec_); });
+       }},
+      {{"configurations"},
+       {"log"},
        [](Spec& spec) {
          spec.configurations = {};
          spec.points_file.clear();
@@ -150,7 +156,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          section(top, "threshold", r.faults_, [&](const Field& f) { read_threshold(f, r.spec_); });
        }},
       {{"motion"},
-       {},
+       {"log"},
        [](Spec& spec) { spec.motion.reset(); },
        [](SpecReader& r, const Object& top) {
          section(top, "motion", r.faults_,
@@ -162,12 +168,6 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
        [](SpecReader& r, const Object& top) {
          section(top, "effects", r.faults_,
                  [&](const Field& f) { read_effects(f, *r.robot_, r.spec_, r.faults_); });
-       }},
-      {{"log"},
-       {},
-       [](Spec& spec) { spec.log = {}; },
-       [](SpecReader& r, const Object& top) {
-         section(top, "log", r.faults_, [&](const Field& f) { read_log_section(f, r.spec_); });
        }},
       {{"sweep"},
        {},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/text.hpp"
+#include "input/log_names.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {
@@ -87,6 +88,13 @@ bool is_stamp(std::string_view text) {
          });
 }
 
+/// `1.234,5`
+bool has_thousands(std::string_view cell, char decimal) {
+  std::string copy(cell);
+  const auto mark = remove_thousands(copy);
+  return mark && (*mark == '\0' || *mark == decimal);
+}
+
 /// What a line is by a separator and a decimal mark.
 struct LineCells {
   std::size_t cells = 0, numbers = 0, texts = 0;
@@ -98,7 +106,7 @@ LineCells counted_cells(std::string_view line, char separator, char decimal) {
   for (const std::string_view cell : cells_by(line, separator)) {
     ++c.cells;
     if (cell.empty()) continue;
-    const bool number = is_numeric(cell, decimal) || is_stamp(cell);
+    const bool number = is_numeric(cell, decimal) || is_stamp(cell) || has_thousands(cell, decimal);
     ++(number ? c.numbers : c.texts);
   }
   return c;
@@ -136,7 +144,14 @@ bool is_unit_word(std::string_view cell) {
       ((cell.front() == '[' && cell.back() == ']') || (cell.front() == '(' && cell.back() == ')')))
     return true;
   std::string why;
-  return cell.empty() || cell == "-" || parse_unit(cell, why).has_value();
+  return cell.empty() || cell == "-" || parse_unit(cell, why).has_value() || !unit_in_words(cell).empty();
+}
+
+/// Cells of a header, without those that are the unit of the name before: `Angle, deg`.
+std::size_t named_cells(std::string_view line, char separator) {
+  const auto cells = cells_by(line, separator);
+  return cells.size() -
+         static_cast<std::size_t>(std::count_if(cells.begin() + 1, cells.end(), is_unit_behind_comma));
 }
 
 bool is_units_row(std::string_view line, char separator) {
@@ -153,7 +168,9 @@ void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
   };
   const auto fits = [&](std::size_t i) {
     const std::size_t apart = std::max(cells[i].cells, f.cells) - std::min(cells[i].cells, f.cells);
-    return apart == 0 || (apart == 1 && f.separator != ' ') || f.separator == ' ';
+    return apart == 0 || (apart == 1 && f.separator != ' ') || f.separator == ' ' ||
+           (f.separator == ',' && cells[i].cells > f.cells && cells[i].numbers == 0 &&
+            named_cells(lines[i].text, f.separator) == f.cells);
   };
   std::size_t best = lines.size(), most_rows = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -220,6 +237,8 @@ std::string_view bare_cell(std::string_view cell) {
   return cell;
 }
 
+bool is_unit_behind_comma(std::string_view cell) { return !unit_in_words(cell).empty(); }
+
 bool is_numeric(std::string_view text, char decimal) {
   std::size_t i = !text.empty() && (text[0] == '-' || text[0] == '+'), digits = 0;
   bool mark = false;
@@ -263,18 +282,33 @@ bool replace_decimal_comma(std::string& cell) {
   return true;
 }
 
-bool remove_thousands(std::string& cell) {
-  const std::size_t comma = cell.find(',');
-  if (comma == std::string::npos || cell.find('.') > comma) return false;
-  std::size_t group = 0;
-  for (std::size_t i = comma; i-- > 0 && (is_decimal_digit(cell[i]) || cell[i] == '.');) {
-    if ((group == 3) != (cell[i] == '.')) return false;
-    group = cell[i] == '.' ? 0 : group + 1;
+std::optional<char> remove_thousands(std::string& cell) {
+  static constexpr std::string_view marks[]{".", ",", "'", "\u2019", "\u00a0", "\u202f", " "};
+  const auto digits_at = [&](std::size_t at) {
+    return std::min(cell.find_first_not_of("0123456789", at), cell.size()) - at;
+  };
+  const std::size_t sign = cell.starts_with('-') || cell.starts_with('+'), first = digits_at(sign);
+  if (first < 1 || first > 3) return std::nullopt;
+  for (const std::string_view mark : marks) {
+    std::string plain = cell.substr(0, sign + first);
+    std::size_t at = sign + first, groups = 0;
+    for (; cell.compare(at, mark.size(), mark) == 0 && digits_at(at + mark.size()) == 3; ++groups) {
+      plain += cell.substr(at + mark.size(), 3);
+      at += mark.size() + 3;
+    }
+    const char decimal = at < cell.size() ? cell[at] : '\0';
+    const bool marks_decimals = (decimal == '.' || decimal == ',') && mark[0] != decimal;
+    if (groups == 0 || (decimal != '\0' && !marks_decimals)) continue;
+    const bool ambiguous = (mark == "." || mark == ",") && groups == 1 && !marks_decimals;
+    if (ambiguous || (marks_decimals && at + 1 + digits_at(at + 1) != cell.size())) continue;
+    cell = marks_decimals ? plain + '.' + cell.substr(at + 1) : plain;
+    return decimal;
   }
-  cell[comma] = '.';
-  cell.erase(std::remove(cell.begin(), cell.begin() + static_cast<std::ptrdiff_t>(comma), '.'),
-             cell.begin() + static_cast<std::ptrdiff_t>(comma));
-  return is_numeric(cell, '.');
+  return std::nullopt;
+}
+
+void make_plain_number(std::string& cell) {
+  if (!remove_thousands(cell)) replace_decimal_comma(cell);
 }
 
 TableFormat recognize_table(std::string_view head) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -31,6 +32,9 @@ TableFormat recognize_table(std::string_view head);
 /// A cell without the blanks and quotation marks around it.
 std::string_view bare_cell(std::string_view cell);
 
+/// Whether a cell of a header can be the unit of the name before it, from which a comma separates it.
+bool is_unit_behind_comma(std::string_view cell);
+
 /// Whether a text is a number with this decimal mark, without regard to its size.
 bool is_numeric(std::string_view text, char decimal);
 
@@ -43,7 +47,12 @@ Fault ambiguous_point(const Place&, const std::string& key, const std::string& c
 /// Makes the decimal comma of `12,5` or `0,05 deg` a point. @returns false for a text that has none
 bool replace_decimal_comma(std::string& cell);
 
-/// Makes `-1.234.567,8` a plain number: points of thousands before a decimal comma.
-bool remove_thousands(std::string& cell);
+/// Makes `-1.234.567,8`, `1 234,5`, `1'234.5` or `1,234.5` a plain number: groups of three digits between
+/// marks of one kind. A single point or comma without decimals behind may be a decimal mark, and is left.
+/// @returns the decimal mark, zero without decimals; empty for any other text, which is not changed
+std::optional<char> remove_thousands(std::string& cell);
+
+/// Either of them, where there is something to change.
+void make_plain_number(std::string& cell);
 
 }  // namespace qerr

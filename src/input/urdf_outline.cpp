@@ -127,7 +127,8 @@ void Outliner::start(const XML_Char* name, const XML_Char** attributes) {
                              : tag == "mujoco" ? "this is a MuJoCo (MJCF) file, not a URDF"
                                                : "the root element of a URDF is <robot>";
     fail(kind, "<" + std::string(tag) + ">",
-         tag == "sdf"      ? "convert it first: sdf2urdf.py FILE.sdf FILE.urdf, of the package pysdf"
+         tag == "sdf"
+             ? "convert it first: sdf2urdf.py FILE.sdf FILE.urdf, of the ROS package pysdf (not that of pip)"
          : tag == "mujoco" ? "convert it first: pip install mjcf-urdf-simple-converter, then in Python "
                              "mjcf_urdf_simple_converter.convert('FILE.xml', 'FILE.urdf')"
                            : "");

@@ -22,6 +22,9 @@ inline bool has_axis(JointType type) { return type != JointType::fixed && type !
 inline bool has_range(JointType type) { return type == JointType::revolute || type == JointType::prismatic; }
 inline bool has_one_coordinate(JointType type) { return has_range(type) || type == JointType::continuous; }
 
+/// Endings of the names of the joints that a planar joint is split into.
+inline constexpr std::array planar_coordinates{"/x", "/y", "/yaw"};
+
 /// A joint of the URDF with its angles and its element, which must outlive it.
 struct WrittenJoint {
   Joint joint;

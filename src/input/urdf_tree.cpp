@@ -215,6 +215,10 @@ void UrdfReader::read_joint(const UrdfElement& element) {
     read_axis(element, joint);
     read_limit(element, joint);
     read_mimic(element, joint);
+    if (joint.type == JointType::planar)
+      flaws_.warn(element, key, "a planar joint is read as joints of its own for x, y and yaw", "",
+                  "state an encoder for each: " + quoted(joint.name + "/*") +
+                      "; the odometry of wheels is not among what is computed");
   } else {
     std::vector<std::string> known;
     for (const auto& entry : joint_types()) known.push_back(entry.first);

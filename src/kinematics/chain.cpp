@@ -19,17 +19,19 @@ class Builder {
  public:
   explicit Builder(const RobotModel& robot) : robot_(robot), by_name_(joints_by_name(robot)) {}
 
-  /// Appends the next joint of the path.
-  void add(std::size_t index) {
+  /// Appends the next joint of the path. One that leads from child to parent has the inverse motion, which
+  /// turns about the reversed axis, and its origin behind it.
+  void add(std::size_t index, bool upward) {
     const Joint& joint = robot_.joints[index];
     if (joint.type == JointType::floating || joint.type == JointType::planar)
       throw Error(Fault{joint.place, "joint '" + joint.name + "'",
                         "a joint between base and tip must be revolute, continuous, prismatic or fixed",
                         joint.type == JointType::floating ? "a floating joint" : "a planar joint",
                         "choose robot.base and robot.tip so that it is not between them"});
-    const Eigen::Matrix3d parent_axes = pending_.linear();
-    pending_ = pending_ * joint.origin;
-    if (joint.type != JointType::fixed) add_moving(index, parent_axes);
+    const Eigen::Matrix3d axes_before = pending_.linear();
+    if (!upward) pending_ = pending_ * joint.origin;
+    if (joint.type != JointType::fixed) add_moving(index, axes_before, upward ? -joint.axis : joint.axis);
+    if (upward) pending_ = pending_ * joint.origin.inverse();
   }
 
   Chain finish(std::string base, std::string tip) {
@@ -40,7 +42,7 @@ class Builder {
   }
 
  private:
-  void add_moving(std::size_t index, const Eigen::Matrix3d& parent_axes) {
+  void add_moving(std::size_t index, const Eigen::Matrix3d& axes_before, const Eigen::Vector3d& axis) {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
@@ -55,12 +57,12 @@ class Builder {
     chain_.joints.push_back({joint.name,
                              joint.type == JointType::prismatic,
                              pending_,
-                             joint.axis,
+                             axis,
                              static_cast<std::size_t>(found - chain_.independent.begin()),
                              drive.multiplier,
                              drive.offset,
                              {},
-                             parent_axes});
+                             axes_before});
     pending_ = Eigen::Isometry3d::Identity();
   }
 
@@ -70,29 +72,36 @@ class Builder {
   Eigen::Isometry3d pending_ = Eigen::Isometry3d::Identity();
 };
 
-/// Sums the inertias of a link and of everything below it up to the next moving joint of the chain. Joints
-/// beside the chain are at zero.
+/// Sums the inertias of a link and of everything that is connected to it without a moving joint of the chain.
+/// Joints beside the chain are at zero.
 class LoadSum {
  public:
   LoadSum(const RobotModel& robot, const std::vector<std::size_t>& path) : robot_(robot) {
     for (std::size_t i = 0; i < robot.links.size(); ++i) link_[robot.links[i]] = i;
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) below_[robot.joints[i].parent].push_back(i);
+    for (std::size_t i = 0; i < robot.joints.size(); ++i)
+      for (const std::string& end : {robot.joints[i].parent, robot.joints[i].child})
+        joints_at_[end].push_back(i);
     for (const std::size_t joint : path)
-      if (robot.joints[joint].type != JointType::fixed) on_path_.insert(joint);
+      if (robot.joints[joint].type != JointType::fixed) passed_.insert(joint);
   }
 
-  void add(const std::string& link, const Eigen::Isometry3d& pose, Inertia& load) const {
+  /// @param pose  of the link, in the frame of the load
+  void add(const std::string& link, const Eigen::Isometry3d& pose, Inertia& load) {
     std::vector<std::pair<std::string, Eigen::Isometry3d>> open{{link, pose}};
+    std::set<std::size_t> passed = passed_;
     while (!open.empty()) {
       const auto [name, link_pose] = open.back();
       open.pop_back();
       if (const std::size_t i = link_.at(name); i < robot_.inertias.size())
         load = sum(load, moved(robot_.inertias[i], link_pose));
-      const auto joints = below_.find(name);
-      if (joints == below_.end()) continue;
-      for (const std::size_t joint : joints->second)
-        if (!on_path_.contains(joint))
-          open.emplace_back(robot_.joints[joint].child, link_pose * robot_.joints[joint].origin);
+      for (const std::size_t index : joints_at_[name]) {
+        if (!passed.insert(index).second) continue;
+        const Joint& joint = robot_.joints[index];
+        if (joint.parent == name)
+          open.emplace_back(joint.child, link_pose * joint.origin);
+        else
+          open.emplace_back(joint.parent, link_pose * joint.origin.inverse());
+      }
     }
   }
 
@@ -117,8 +126,8 @@ class LoadSum {
 
   const RobotModel& robot_;
   JointIndex link_;
-  std::unordered_map<std::string, std::vector<std::size_t>> below_;
-  std::set<std::size_t> on_path_;
+  std::unordered_map<std::string, std::vector<std::size_t>> joints_at_;
+  std::set<std::size_t> passed_;
 };
 
 /// Sorts the independent joints along the chain. A master that follows its mimic keeps its own place.
@@ -147,7 +156,7 @@ void sort_along_chain(Chain& chain) {
 Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
   const TreePath path = find_path(robot, base, tip);
   Builder builder(robot);
-  for (const std::size_t joint : path.joints) builder.add(joint);
+  for (std::size_t i = 0; i < path.joints.size(); ++i) builder.add(path.joints[i], i < path.upward);
   Chain chain = builder.finish(path.base, path.tip);
   if (chain.joints.empty())
     throw Error(Fault{{robot.file, 0, 0},
@@ -155,17 +164,23 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
                       "no moving joint between base and tip",
                       "base '" + path.base + "', tip '" + path.tip + "'",
                       "choose links with a moving joint between them"});
-  const LoadSum loads(robot, path.joints);
+  LoadSum loads(robot, path.joints);
   auto moving = chain.joints.begin();
-  for (const std::size_t joint : path.joints)
-    if (robot.joints[joint].type != JointType::fixed)
-      loads.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
+  for (std::size_t i = 0; i < path.joints.size(); ++i) {
+    const Joint& joint = robot.joints[path.joints[i]];
+    if (joint.type == JointType::fixed) continue;
+    if (i < path.upward)
+      loads.add(joint.parent, joint.origin.inverse(), (moving++)->load);
+    else
+      loads.add(joint.child, Eigen::Isometry3d::Identity(), (moving++)->load);
+  }
   sort_along_chain(chain);
   return chain;
 }
 
 std::vector<std::string> warnings_about(const RobotModel& robot, const Chain& chain) {
-  const UsedParts used(robot, find_path(robot, chain.base, chain.tip));
+  const TreePath path = find_path(robot, chain.base, chain.tip);
+  const UsedParts used(robot, path);
   std::vector<std::string> warnings;
   std::map<std::string, std::size_t> place_of_rule;  // in `warnings`
   std::vector<std::size_t> alike;
@@ -187,6 +202,11 @@ std::vector<std::string> warnings_about(const RobotModel& robot, const Chain& ch
   if (unused > most_unused_flaws)
     warnings.push_back(counted(unused - most_unused_flaws, "more flaw") +
                        " of the URDF outside this chain; qerr robot lists them");
+  const auto has_mass = [](const ChainJoint& joint) { return joint.load.mass > 0; };
+  if (path.upward > 0 && std::any_of(chain.joints.begin(), chain.joints.end(), has_mass))
+    warnings.push_back(
+        "robot.base: '" + chain.base +
+        "' is not above the tip: gravity and inertias are those of a robot that is held there");
   return warnings;
 }
 

@@ -111,6 +111,7 @@ Drive drive_of(const RobotModel& robot, const JointIndex& by_name, std::size_t j
 UsedParts::UsedParts(const RobotModel& robot, const TreePath& path) : links_{path.base} {
   const JointIndex by_name = joints_by_name(robot);
   for (const std::size_t on_path : path.joints) {
+    links_.insert(robot.joints[on_path].parent);
     links_.insert(robot.joints[on_path].child);
     for (std::size_t joint = on_path; joints_.insert(robot.joints[joint].name).second;) {
       if (!robot.joints[joint].mimic) break;
@@ -132,18 +133,20 @@ TreePath find_path(const RobotModel& robot, const std::string& base, const std::
   TreePath path;
   path.base = base.empty() ? default_base(robot, tree) : base;
   path.tip = tip.empty() ? default_tip(robot, path.base) : tip;
-  path.joints = tree.path_to(path.tip);
-  const auto first = std::find_if(path.joints.begin(), path.joints.end(),
-                                  [&](std::size_t joint) { return robot.joints[joint].parent == path.base; });
-  if (first == path.joints.end() && path.tip != path.base) {
-    // A flaw may have cut the tree between the two.
-    if (tree.roots().size() > 1) raise(spoiling(robot, any));
-    const std::string root = path.joints.empty() ? path.tip : robot.joints[path.joints.front()].parent;
-    throw Error(robot_fault(robot, "robot.tip", "the tip must be a descendant of base",
+  const std::vector<std::size_t> up = tree.path_to(path.base), down = tree.path_to(path.tip);
+  const auto root = [&](const std::vector<std::size_t>& joints, const std::string& link) {
+    return joints.empty() ? link : robot.joints[joints.front()].parent;
+  };
+  if (root(up, path.base) != root(down, path.tip)) {
+    raise(spoiling(robot, any));  // one may have cut the tree between the two
+    throw Error(robot_fault(robot, "robot.tip", "no joints connect tip and base",
                             "tip '" + path.tip + "', base '" + path.base + "'",
-                            "choose a base between the root '" + root + "' and the tip"));
+                            "choose two links below one root; qerr robot shows the trees"));
   }
-  path.joints.erase(path.joints.begin(), first);
+  const auto [ancestor, below] = std::mismatch(up.begin(), up.end(), down.begin(), down.end());
+  path.joints.assign(up.rbegin(), std::make_reverse_iterator(ancestor));
+  path.upward = path.joints.size();
+  path.joints.insert(path.joints.end(), below, down.end());
   const UsedParts used(robot, path);
   raise(spoiling(robot, [&](const Flaw& flaw) { return used.concerned_by(flaw); }));
   return path;

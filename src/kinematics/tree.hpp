@@ -29,14 +29,15 @@ class Tree {
   std::unordered_map<std::string, std::vector<std::size_t>> below_;
 };
 
-/// Joints from `base` down to `tip`, nearest to the base first. A flaw that spoils a part of this chain is an
-/// error; any other is not.
+/// Joints from `base` through the common ancestor to `tip`, nearest to the base first. A flaw that spoils a
+/// part of this chain is an error; any other is not.
 /// @param base  empty: the root
 /// @param tip   empty: the only leaf
 /// @throws Error (input; keys `robot.base`, `robot.tip`)
 struct TreePath {
   std::string base, tip;
   std::vector<std::size_t> joints;
+  std::size_t upward = 0;  ///< joints at the beginning that lead from child to parent
 };
 TreePath find_path(const RobotModel&, const std::string& base, const std::string& tip);
 

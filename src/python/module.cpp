@@ -2,6 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <fstream>
 #include <mutex>
@@ -21,6 +23,7 @@ namespace {
 
 namespace py = pybind11;
 using Words = std::vector<std::string>;
+using Column = py::array_t<double, py::array::forcecast>;
 
 /// What a command gave.
 struct Ran {
@@ -32,10 +35,16 @@ struct Ran {
 /// Runs a command line in a thread, so that this one can see Ctrl-C. One runs at a time: the files of a run
 /// are those of the process.
 /// @param formats  in which the report is wanted
-Ran run(const Words& words, const Words& formats) {
+/// @param log  the columns of a log, read where they are
+Ran run(const Words& words, const Words& formats, const std::vector<std::pair<std::string, Column>>& log) {
   static std::mutex running;
   qerr::cli::Caller caller;
   caller.formats = formats;
+  for (const auto& [name, values] : log) {
+    if (values.ndim() != 1) throw py::value_error("column '" + name + "' must have one dimension");
+    caller.log.push_back({name, values.data(), static_cast<std::size_t>(values.size()),
+                          values.strides(0) / static_cast<py::ssize_t>(sizeof(double))});
+  }
   Ran ran;
   std::exception_ptr failure;
   bool interrupted = false;
@@ -123,35 +132,38 @@ py::dict columns(const std::string& path) {
   return arrays;
 }
 
-/// Writes columns as a log that the program reads.
-void write_columns(
-    const std::string& path,
-    const std::vector<std::pair<std::string, py::array_t<double, py::array::forcecast>>>& given) {
-  std::ofstream file(path, std::ios::binary);
-  std::string text;
-  for (const auto& [name, values] : given) text += (text.empty() ? "" : ",") + name;
-  text += '\n';
-  const py::ssize_t rows = given.empty() ? 0 : given.front().second.size();
-  for (const auto& [name, values] : given)
-    if (values.ndim() != 1 || values.size() != rows)
-      throw py::value_error("column '" + name + "' has not as many values as the first");
-  for (py::ssize_t row = 0; row < rows; ++row) {
-    for (std::size_t c = 0; c < given.size(); ++c) {
-      if (c > 0) text += ',';
-      if (const double value = given[c].second.at(row); std::isfinite(value)) text += qerr::shortest(value);
-    }
-    text += '\n';
-    if (text.size() > (1 << 20)) file << std::exchange(text, {});
+const char* kind_name(qerr::cli::OptionKind kind) {
+  using Kind = qerr::cli::OptionKind;
+  switch (kind) {
+    case Kind::flag:
+      return "flag";
+    case Kind::repeat:
+    case Kind::list:
+      return "repeat";
+    case Kind::pair:
+      return "pair";
+    case Kind::optional:
+      return "optional";
+    case Kind::number:
+      return "number";
+    case Kind::whole:
+      return "whole";
+    case Kind::text:
+      break;
   }
-  file << text;
+  return "text";
 }
 
-/// The options of a command and their meaning, for its docstring.
-std::vector<std::pair<std::string, std::string>> options(const std::string& command) {
-  std::vector<std::pair<std::string, std::string>> all;
+/// The options of a command: argument, kind and meaning, for its signature and docstring.
+std::vector<std::array<std::string, 3>> options(const std::string& command) {
+  std::vector<std::array<std::string, 3>> all;
   if (const qerr::cli::Command* row = qerr::cli::command_of(command))
-    for (const qerr::cli::Option& option : row->options)
-      all.emplace_back(option.key(), std::string(option.meaning));
+    for (const qerr::cli::Option& option : row->options) {
+      if (option.positional()) continue;
+      std::string name = option.key();
+      std::replace(name.begin(), name.end(), '-', '_');
+      all.push_back({name, kind_name(option.kind), std::string(option.meaning)});
+    }
   return all;
 }
 
@@ -164,9 +176,8 @@ PYBIND11_MODULE(_qerr, m) {
       .def_readonly("code", &Ran::code)
       .def_readonly("reports", &Ran::reports)
       .def_readonly("warnings", &Ran::warnings);
-  m.def("run", &run);
+  m.def("run", &run, py::arg("words"), py::arg("formats"), py::arg("log") = py::list());
   m.def("columns", &columns);
-  m.def("write_columns", &write_columns);
   m.def("options", &options);
   m.def("json_schema", &qerr::json_schema);
 }

@@ -19,6 +19,7 @@ class CMakeBuild(build_ext):
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(module.read_bytes())
+        (target.parent / "__init__.pyi").write_bytes((module.parent / "__init__.pyi").read_bytes())
 
 
 setup(ext_modules=[Extension("qerr._qerr", [])], cmdclass={"build_ext": CMakeBuild})

@@ -100,6 +100,7 @@ def check_library(t, usr, scratch):
     t.check("the example is built", done.returncode == 0, done.stdout[-800:] + done.stderr[-800:])
     if done.returncode == 0:
         check_budget(t, scratch / "made" / "budget", usr)
+    check_ament(t, usr, scratch, topic)
     line = re.search(r"^c\+\+ .*pkg-config.*$", topic, re.M)
     described = list(usr.glob("lib/**/pkgconfig/qerr.pc"))
     if not t.check("the topic has the example of pkg-config, the tree its file", line and len(described) == 1) or not shutil.which("pkg-config"):
@@ -107,6 +108,22 @@ def check_library(t, usr, scratch):
     done = command("bash", "-c", line[0], cwd=scratch / "example", env=dict(os.environ, PKG_CONFIG_PATH=str(described[0].parent)))
     if t.check("the example is built by pkg-config", done.returncode == 0, done.stderr[-800:]):
         check_budget(t, scratch / "example" / "budget", usr)
+
+
+def check_ament(t, usr, scratch, topic):
+    """The package by ament of the same topic, where ament_cmake is installed."""
+    blocks = [re.search(pattern, topic, re.S) for pattern in (r"```text\n(<package.*?)```", r"```cmake\n([^`]*?ament_package\(\)\n)```")]
+    if not t.check("the topic has a package by ament", all(blocks)) or not pathlib.Path("/usr/share/ament_cmake").is_dir():
+        return
+    source, made = scratch / "ament", scratch / "ament_made"
+    shutil.copytree(scratch / "example", source)
+    for name, block in zip(("package.xml", "CMakeLists.txt"), blocks):
+        (source / name).write_text(block[1])
+    done = command("cmake", "-G", "Ninja", "-S", source, "-B", made, f"-DCMAKE_PREFIX_PATH={usr}", f"-DCMAKE_INSTALL_PREFIX={made / 'prefix'}",
+                   "-DPython3_EXECUTABLE=/usr/bin/python3")  # whose modules are those of ament
+    done = done if done.returncode else command("cmake", "--build", made, "--target", "install")
+    if t.check("a package by ament finds it", done.returncode == 0, done.stdout[-800:] + done.stderr[-800:]):
+        check_budget(t, made / "prefix" / "lib" / "budget" / "budget", usr)
 
 
 def check_budget(t, program, usr):

@@ -37,6 +37,26 @@ MISTAKES = [  # (function, arguments, part of the message)
     ("sweep", (CONFIGS / "kuka_lwr" / "spec.yaml",), {"set": {"sweep": "[{key: nothing, values: [1]}]"}}, "nothing"),
     ("list", ("colours",), {}, "colours"),
 ]
+# (KEY, VALUE, part of the message): each alone is a mistake of a spec.
+WRONG_VALUES = [
+    ("robot.tip", "nowhere", "nowhere"), ("robot.base", "nowhere", "nowhere"), ("robot.urdf", "gone.urdf", "gone.urdf"),
+    ("robot.tool", "{xyz: [0, 0]}", "tool"), ("coordinates", "[q]", "'q'"), ("coordinates", "[]", "empty"), ("frame", "world", "world"),
+    ("encoders.wrist.bits", -1, "-1"), ("encoders.wrist.bits", "many", "many"), ("encoders.wrist.bits", 500, "500"),
+    ("encoders.rail.resolution", "3 kg", "3 kg"), ("encoders.rail.resolution", 0, "resolution"), ("encoders.elbow.gear_ratio", 0, "gear_ratio"),
+    ("encoders.shoulder.decoding", "x3", "x3"), ("encoders.lift.travel_per_rev", "10 deg", "10 deg"), ("configurations.count", 0, "count"),
+    ("configurations.method", "dice", "dice"), ("configurations.limits", "{elbow: [1, 0]}", "above"),
+    ("configurations.limits", "{elbow: [-9, 9]}", "exceed"), ("configurations.limits", "{knee: [0, 1]}", "knee"),
+    ("configurations.seed", 0.5, "seed"), ("filters.velocity.derivative", 9, "derivative"),
+    ("filters.velocity.sample_rate", "fast", "fast"), ("filters.velocity.lowpass.family", "magic", "magic"),
+    ("filters.velocity.lowpass.cutoff", "3 kHz", "cutoff"), ("filters.velocity.lowpass.order", 99, "order"),
+    ("filters.velocity.lowpass.ordr", 2, "ordr"), ("requirements.0.quantity", "position.x.worst", "worst"),
+    ("requirements.0.statistic", "p98.7.6", "p98.7.6"), ("requirements.0.at_most", "8 deg", "8 deg"), ("requirements.9.at_most", 1, "9"),
+    ("motion.duration", -1, "duration"), ("motion.joints.knee", "{center: 0}", "knee"), ("threshold.length", "1 s", "1 s"),
+    ("effects", "[{type: gremlins, joint: elbow}]", "gremlins"), ("effects", "[{type: backlash, joint: knee, gap: 1 mrad}]", "knee"),
+    ("effects", "[{type: backlash, joint: elbow}]", "gap"), ("control", "{sample_rate: 1 kHz, joints: {knee: {kp: 1}}}", "knee"),
+    ("qerr", 2, "version"), ("log", "{missing: guess}", "guess"), ("coupling", "[[1, 0]]", "coupling"), ("nothing", 1, "nothing"),
+]
+MISTAKES += [("analyze", (SPEC,), {"set": {key: value}}, part) for key, value, part in WRONG_VALUES]
 
 
 class Tally:
@@ -85,8 +105,45 @@ def check_arrays(t, q, qerr):
     t.check("a log is arrays", len({len(v) for v in log.values()}) == 1 and all(isinstance(v, np.ndarray) for v in log.values()), str(list(log)[:4]))
     found = q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", log)
     t.check("arrays are diagnosed", found.json["verdict"] in ("nothing_wrong", "explained", "partly_explained"), found.json["verdict"])
+    few = {name: np.asarray(values)[:40] for name, values in log.items()}
+    rows = zip(*few.values())
+    path = pathlib.Path("log.csv")
+    path.write_text(",".join(few) + "\n" + "\n".join(",".join(repr(float(x)).removesuffix(".0") for x in row) for row in rows) + "\n")
+    of_file, of_arrays = (q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", given).json for given in (path, few))
+    path.unlink()
+    for report in (of_file, of_arrays):
+        del report["log"]["file"]
+    t.check("arrays are the file of the same numbers", of_file == of_arrays, str({k for k in of_file if of_file[k] != of_arrays[k]}))
     errors = q.configurations(SPEC, set={"configurations.count": 100})
     t.check("an array a column", len(errors) > 5 and all(len(v) == 100 for v in errors.values()), str(list(errors)[:5]))
+
+
+def check_speed(t, q):
+    """Reading 1e6 rows: the last value is a mistake, so that nothing is diagnosed."""
+    pathlib.Path("one.yaml").write_text("qerr: 1\nrobot: {joint: {name: a, type: revolute}}\nencoders: {a: {bits: 14}}\n")
+    time_of = np.arange(1000000) * 1e-3
+    true = 0.6 * np.sin(time_of)
+    log = {"time [s]": time_of, "a.counts": np.round(true * 2**14 / (2 * np.pi)), "a.reference [rad]": np.append(true[:-1], np.inf)}
+    spent = []
+    for _ in range(3):
+        begin = time.process_time()
+        try:
+            q.diagnose("one.yaml", log)
+        except q.Error as e:
+            t.check("the last row is read", ":1000000: a.reference" in str(e), str(e))
+        spent.append(time.process_time() - begin)
+    os.remove("one.yaml")
+    t.check("1e6 rows of arrays in 0.3 s of CPU", min(spent) < 0.3, str(spent))
+
+
+def check_signatures(t, q):
+    import inspect
+    parameters = inspect.signature(q.filter).parameters
+    t.check("options are in the signature", {"set", "motion_band", "threads", "quiet"} <= set(parameters) and "options" not in parameters, str(parameters))
+    t.check("an option of two values", q.filter(SPEC, motion_band=("0.5 Hz", "5 Hz")).code == 0)
+    stub = (pathlib.Path(q.__file__).parent / "__init__.pyi").read_text()
+    compile(stub, "__init__.pyi", "exec")
+    t.check("the stub has every function", all(f"def {name}(" in stub for name in ("analyze", "diagnose", "simulated_log", "list")) and "motion_band: tuple" in stub, stub[:500])
 
 
 def check_errors(t, q):
@@ -155,6 +212,8 @@ def main():
         warnings.simplefilter("ignore", q.Warning)
         check_reports(t, q, qerr)
         check_arrays(t, q, qerr)
+        check_speed(t, q)
+        check_signatures(t, q)
         check_errors(t, q)
         check_interrupt(t, q)
         check_memory(t, q, arguments.calls)

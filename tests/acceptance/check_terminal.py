@@ -20,8 +20,11 @@ CONFIGS = ROOT / "configs"
 CODES = re.compile(r"\x1b\[[0-9;]*[mK]")
 
 
-def on_terminal(qerr, words, columns):
-    """Everything that is written to a terminal of so many columns, standard error included; and the exit code."""
+def on_terminal(qerr, words, columns, stop_at=None):
+    """Everything that is written to a terminal of so many columns, standard error included; and the exit code.
+
+    stop_at: a text at which Ctrl-C is typed.
+    """
     process, terminal = pty.fork()
     if process == 0:
         fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
@@ -37,6 +40,9 @@ def on_terminal(qerr, words, columns):
         if not part:
             break
         read += part
+        if stop_at and stop_at in read:
+            os.write(terminal, b"\x03")
+            stop_at = None
     os.close(terminal)
     return read.decode(), os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
 
@@ -100,10 +106,31 @@ def check_progress(t, qerr):
             t.check(f"{words[0]} --quiet shows none", "left" not in quiet)
 
 
+def check_interrupt(t, qerr):
+    """Ctrl-C says in a line of its own how to go on, and the prompt that follows begins a line."""
+    spec = CONFIGS / "scara" / "spec.yaml"
+    with tempfile.TemporaryDirectory() as folder:
+        slow = "configurations.count=2000000000"
+        rows, choice = pathlib.Path(folder, "rows.csv"), pathlib.Path(folder, "choice.yaml")
+        choice.write_text(f"qerr: 1\nrobot: {{urdf: {CONFIGS}/kuka_lwr/kuka_lwr.urdf}}\nencoders: {{'*': {{bits: 17}}}}\n"
+                          "configurations: {count: 50000}\nrequirements:\n"
+                          "  - {quantity: position.xyz.worst_case, statistic: max, at_most: 0.05 mm}\n"
+                          "  - {quantity: position.rxyz.sigma, statistic: p95, at_most: 0.02 mrad}\n"
+                          "design: {encoders: {'*': {bits: 8..25}}}\n")
+        for words, wanted in ((["design", choice], "--only-optimum"),
+                              (["analyze", spec, "--set", slow, "--allow-long"], "unfinished files are removed"),
+                              (["sweep", spec, "-o", rows, "--set", "sweep=[{key: configurations.seed, from: 1, to: 90000, count: 90000}]"],
+                               "--resume goes on")):
+            text, code = on_terminal(qerr, words, 80, stop_at=b" % of ")  # of the configurations, of a search's work
+            last = shown_lines(text.replace("^C", ""))[-2:]
+            t.check(f"{words[0]}: Ctrl-C", code == 130 and text.endswith("\n") and wanted in "".join(last), text[-300:])
+
+
 def main():
     qerr, t = program_and_tally()
     check_widths(t, qerr)
     check_progress(t, qerr)
+    check_interrupt(t, qerr)
     return t.close()
 
 

@@ -213,6 +213,8 @@ STATEMENTS = {
     TOPICS["library"]: [
         (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
         (r"cmake_minimum_required\(VERSION ([\d.]+)\)", lambda v: v.source("CMakeLists.txt", r"VERSION ([\d.]+)\)")),
+        (r"and its `CMakeLists.txt`:\s+```cmake\s+cmake_minimum_required\(VERSION ([\d.]+)\)",
+         lambda v: v.source("CMakeLists.txt", r"VERSION ([\d.]+)\)")),
         (r"c\+\+ -std=c\+\+(\d+)", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
     ],
     TOPICS["changes"]: [

@@ -255,6 +255,42 @@ TEST_F(BagLog, DatabasesOfRosbag2AreRead) {
     expect_recording(read_log(database(recording(), packed), spec), "db3");
 }
 
+TEST_F(BagLog, TheFilesOfASplitRecordingAreOne) {
+  const std::vector<Message> all = recording();
+  const std::filesystem::path bag = folder / "record";
+  std::filesystem::create_directories(bag);
+  std::ofstream(bag / "metadata.yaml") << "rosbag2_bagfile_information: {version: 5}\n";
+  constexpr std::size_t parts = 12;  // record_10 lies behind record_9
+  for (std::size_t i = 0; i < parts; ++i)
+    std::ofstream(bag / ("record_" + std::to_string(i) + ".mcap"), std::ios::binary)
+        << mcap({all.begin() + static_cast<std::ptrdiff_t>(all.size() * i / parts),
+                 all.begin() + static_cast<std::ptrdiff_t>(all.size() * (i + 1) / parts)},
+                "zstd", 7);
+  expect_recording(read_log(bag.string(), spec), "folder");
+  expect_recording(read_log((bag / "metadata.yaml").string(), spec), "metadata");
+  try {
+    read_log(LogFiles({(bag / "record_0.mcap").string(), (bag / "record_1.mcap").string()}), spec);
+    ADD_FAILURE() << "two files with the same signals";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("name the folder"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(BagLog, AMotionIsReadFromABag) {
+  std::vector<Message> all;
+  for (int i = 0; i < 10; ++i)
+    all.push_back({"/joint_states", "sensor_msgs/msg/JointState",
+                   joint_state(start + 10'000'000LL * i, {"lift", "shoulder", "elbow", "wrist"},
+                               {0.01 * i, 0.1, 0.2, 0.3 * i}, true),
+                   start});
+  write(mcap(all, "lz4", 3));
+  const Spec moved =
+      spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}", "motion: {file: log.csv}\n");
+  EXPECT_NEAR(moved.motion->sample_rate, 100, 1e-6);
+  ASSERT_EQ(moved.motion->table.positions.cols(), 10);
+  EXPECT_EQ(moved.motion->table.positions(find_joint(moved.model.chain, "wrist").value(), 9), 0.3 * 9);
+}
+
 TEST_F(BagLog, TipsAreReadFromPosesAndTransforms) {
   const std::string joints =
       "shoulder.measured: /joint_states/shoulder/position, elbow.measured: /joint_states/elbow/position, "

@@ -71,6 +71,10 @@ TEST_F(FirstSpec, HasTheFewestEntriesThatSayIt) {
   EXPECT_EQ(spec.model.transmission.encoders[1].shaft_ratio, 50);
   EXPECT_EQ(spec.model.transmission.encoders[2].shaft_ratio, 1);
   EXPECT_EQ(text_of(two_joints(limit, limit, ratio("ab", "50"))).find("'*'"), std::string::npos);
+  // A motor that turns against its joint is no template's placeholder.
+  const Spec against = spec_of(two_joints(limit, limit, ratio("ab", "-1")));
+  EXPECT_EQ(against.model.transmission.encoders[0].shaft_ratio, -1);
+  EXPECT_TRUE(against.warnings.empty()) << against.warnings.front();
 }
 
 TEST_F(FirstSpec, HasTheCouplingOfADifferential) {

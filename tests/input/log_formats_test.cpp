@@ -180,6 +180,39 @@ TEST_F(LogFormats, APointInATableOfDecimalCommasIsAsked) {
       << "0.125 can be no thousands";
 }
 
+TEST_F(LogFormats, GroupsOfThousandsAreReadWithAnyMark) {
+  struct Written {
+    std::string count, angle;
+  };
+  for (const Written& w : {Written{"1.234.567", "-1.234,5"},
+                           {"1\u202f234\u202f567", "-1\u202f234,5"},
+                           {"1\u00a0234\u00a0567", "-1\u00a0234,5"},
+                           {"1 234 567", "-1 234,5"},
+                           {"1'234'567", "-1'234.5"},
+                           {"1\u2019234\u2019567", "-1\u2019234.5"},
+                           {"1,234,567", "-1,234.5"}}) {
+    // Two rows, as of a static calibration, have to tell the format, too.
+    const Log log = read("time [s];shoulder.counts;shoulder.reference [deg]\n0;" + w.count + ';' + w.angle +
+                         "\n1;" + w.count + ';' + w.angle + '\n');
+    ASSERT_EQ(log.rows, 2u) << w.count;
+    EXPECT_EQ(values(log, LogSignal::counts)[0], 1234567) << w.count;
+    const double turns = std::round((-1234.5 / 360 - 1234567 / 4096.));  // are removed from a reference
+    EXPECT_NEAR(values(log, LogSignal::reference)[1], (-1234.5 - 360 * turns) * std::acos(-1.0) / 180, 1e-9)
+        << w.angle;
+  }
+  const Log log = read("time [ms];shoulder.counts\n900;1\n1'000;2\n1'100;3\n");
+  EXPECT_NEAR(values(log, LogSignal::time)[2] - values(log, LogSignal::time)[0], 0.2, 1e-12);
+}
+
+TEST_F(LogFormats, ACommaBeforeAUnitSeparatesNoColumns) {
+  const Log log = read("Bench 4\nTime, ms,shoulder.counts,shoulder.reference, deg\n0,1,0.5\n10,2,1.0\n");
+  EXPECT_NEAR(values(log, LogSignal::time)[1], 0.01, 1e-15);
+  EXPECT_EQ(values(log, LogSignal::counts)[1], 2);
+  EXPECT_NEAR(values(log, LogSignal::reference)[1], std::acos(-1.0) / 180, 1e-15);
+  // Where the rows have a cell for each of them they are columns.
+  EXPECT_EQ(values(read("time [s],s,shoulder.counts\n0,1,7\n1,2,8\n"), LogSignal::counts)[1], 8);
+}
+
 TEST_F(LogFormats, DecimalCommasBehindTheSampleAreRead) {
   std::string text = "time [s];shoulder.counts;shoulder.reference [rad]\n";
   for (int i = 0; i < 9000; ++i) text += std::to_string(i) + ';' + std::to_string(i) + ";0\n";

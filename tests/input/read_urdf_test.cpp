@@ -11,6 +11,8 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
+#include "qerr/kinematics/chain.hpp"
+#include "support/random_chain.hpp"
 #include "support/urdf_text.hpp"
 
 namespace qerr {
@@ -26,19 +28,46 @@ TEST(ReadUrdf, ReadsATreeWithEveryJointType) {
             joint("5", "floating", "c", "e", "") + joint("6", "planar", "c", "f", "<axis xyz='0 0 1'/>")));
   EXPECT_EQ(m.name, "r");
   EXPECT_EQ(m.file, "r.urdf");
-  EXPECT_EQ(m.links, (std::vector<std::string>{"w", "a", "b", "c", "d", "e", "f"}));
-  ASSERT_EQ(m.joints.size(), 6u);
-  const JointType types[] = {JointType::revolute, JointType::continuous, JointType::prismatic,
-                             JointType::fixed,    JointType::floating,   JointType::planar};
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(m.joints[i].type, types[i]);
+  EXPECT_EQ(m.links, (std::vector<std::string>{"w", "a", "b", "c", "d", "e", "f", "6/x", "6/y"}));
+  ASSERT_EQ(m.joints.size(), 8u);
+  const JointType types[] = {JointType::revolute,  JointType::continuous, JointType::prismatic,
+                             JointType::fixed,     JointType::floating,   JointType::prismatic,
+                             JointType::prismatic, JointType::continuous};
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(m.joints[i].type, types[i]);
   EXPECT_EQ(m.joints[2].parent, "b");
   EXPECT_EQ(m.joints[2].child, "c");
   EXPECT_EQ(m.joints[0].limits->lower, -1);
   EXPECT_EQ(m.joints[0].limits->upper, 2);
   EXPECT_FALSE(m.joints[1].limits);
   EXPECT_EQ(m.joints[0].axis, Eigen::Vector3d::UnitX());
-  EXPECT_EQ(m.joints[5].axis, Eigen::Vector3d::UnitZ());
-  EXPECT_TRUE(warnings(m).empty());
+  EXPECT_EQ(m.joints[5].axis, Eigen::Vector3d::UnitX());
+  EXPECT_EQ(m.joints[6].axis, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(m.joints[7].axis, Eigen::Vector3d::UnitZ());
+  ASSERT_EQ(warnings(m).size(), 1u);
+  EXPECT_NE(warnings(m)[0].find("'6/*'"), std::string::npos) << warnings(m)[0];
+}
+
+TEST(ReadUrdf, APlanarJointIsAPositionInItsPlaneAndAYaw) {
+  for (const std::string normal : {"0 0 1", "0 0 -1", "1 2 -2"}) {
+    const RobotModel m =
+        read(robot(links + joint("base", "planar", "a", "b", "<axis xyz='" + normal + "'/>") +
+                   joint("arm", "revolute", "b", "c", "<origin xyz='0.3 0 0.1'/>")));
+    const Chain chain = make_chain(m, "a", "c");
+    ASSERT_EQ(testing::joint_names(chain), (std::vector<std::string>{"base/x", "base/y", "base/yaw", "arm"}));
+    const auto pose = [&](double x, double y, double yaw) {
+      return forward_kinematics(chain, Eigen::Vector4d(x, y, yaw, 0));
+    };
+    Eigen::Vector3d n = chain.joints[2].axis;
+    const Eigen::Vector3d at_rest = pose(0, 0, 0).translation();
+    // Whatever x and y are, they are at right angles in the plane, and right-handed about its normal.
+    const Eigen::Vector3d along_x = pose(1, 0, 0).translation() - at_rest,
+                          along_y = pose(0, 1, 0).translation() - at_rest;
+    EXPECT_LT((along_x.cross(along_y) - n).norm(), 1e-15) << normal;
+    const Eigen::Vector3d moved = pose(0.2, -0.5, 0.7).translation();
+    const Eigen::Vector3d expected =
+        0.2 * along_x - 0.5 * along_y + Eigen::AngleAxisd(0.7, n) * Eigen::Vector3d(0.3, 0, 0.1);
+    EXPECT_LT((moved - expected).norm(), 1e-15) << normal;
+  }
 }
 
 TEST(ReadUrdf, ExpandsATemplateWhereXacroIsInstalled) {

@@ -179,6 +179,17 @@ TEST_F(MotionSpec, AFileGivesItsRateAndDuration) {
   EXPECT_NEAR(spec.motion->table.positions(2, 1), 2e-3, 1e-15);  // lift is the third joint of the chain
 }
 
+TEST_F(MotionSpec, AFileIsWhateverALogCanBe) {
+  const std::string table =
+      "Bench 4;;;;;\nZeit in ms;shoulder.reference (deg);shoulder.measured;Hub [mm];elbow;wrist\n"
+      "0;0;7;1;0;0\n10;1,5;7;2;0;0\n20;3;7;3;0;0\n";
+  ASSERT_EQ(message("{file: motion.csv}\nlog: {columns: {lift.reference: Hub}}", table), "accepted");
+  EXPECT_NEAR(spec.motion->sample_rate, 100, 1e-9);
+  EXPECT_NEAR(spec.motion->table.positions(0, 1), std::numbers::pi / 120, 1e-15) << "the truth is the motion";
+  EXPECT_NEAR(spec.motion->table.positions(2, 2), 3e-3, 1e-15);
+  EXPECT_NE(message("{file: motion.csv}", table).find("lift.reference: COLUMN"), std::string::npos);
+}
+
 TEST_F(MotionSpec, AFileWithUnevenTimesNeedsASampleRate) {
   const std::string csv = "time,shoulder,lift,elbow,wrist\n0,0,0,0,0\n0.01,0,0,0,0\n0.05,0,0,0,0\n";
   EXPECT_NE(message("{file: motion.csv}", csv).find("sample_rate"), std::string::npos);

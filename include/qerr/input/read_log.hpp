@@ -11,6 +11,16 @@
 
 namespace qerr {
 
+/// A column of a log in memory that the caller keeps: NaN is a missing value.
+struct LogArray {
+  std::string name;  ///< like the header of a file
+  const double* values = nullptr;
+  std::size_t rows = 0;
+  std::ptrdiff_t stride = 1;
+
+  double at(std::size_t row) const { return values[static_cast<std::ptrdiff_t>(row) * stride]; }
+};
+
 /// The files of a log, which are joined by time: a row for every time stamp of the files with readings of
 /// encoders, whose last values are held; references of other files are interpolated by the cubic through four
 /// samples, and what they do not enclose is left out, with a warning. Where the spec says `missing: hold`, a
@@ -22,7 +32,7 @@ namespace qerr {
 /// Tables may be separated by commas, semicolons, tabulators or blanks, with decimal commas, preambles and in
 /// other encodings than UTF-8; what was recognized is among the log's warnings. Columns of other names than
 /// signals' are read by the spec's mapping; without one the error proposes it. A bag of ROS 2 (`.mcap`,
-/// `.db3`) is as many files as it has topics; it is read twice, as a stream.
+/// `.db3`, the folder of a recording) is as many files as it has topics; it is read twice, as a stream.
 ///
 /// A file is wide, a column each signal, or long: `time [s],signal,value` and perhaps `unit`, a row each
 /// sample. Of a long file every signal must be in the order of time, not the file. It is kept in memory, 24
@@ -30,8 +40,10 @@ namespace qerr {
 struct LogFiles {
   LogFiles(const std::string& path) : paths{path} {}
   LogFiles(std::vector<std::string> all) : paths(std::move(all)) {}
+  LogFiles(std::vector<LogArray> columns) : arrays(std::move(columns)) {}
 
   std::vector<std::string> paths;
+  std::vector<LogArray> arrays;  ///< one more file, without a copy of its values
 };
 
 struct LogOptions {

@@ -23,7 +23,8 @@ struct ChainJoint {
   double offset = 0;           ///< [rad or m]
   /// Sum over its child link and everything fixed to it, in the moved joint frame.
   Inertia load = {};
-  /// Rotation of the parent link's frame (in which the URDF gives the joint's origin) in the previous frame.
+  /// Rotation, in the previous frame, of the frame of the link before it on the way from the base: of the
+  /// parent link, in which the URDF gives the joint's origin, unless the way leads from child to parent.
   Eigen::Matrix3d parent_axes = Eigen::Matrix3d::Identity();
 };
 
@@ -39,7 +40,7 @@ struct IndependentJoint {
   bool prismatic() const { return type == JointType::prismatic; }
 };
 
-/// The serial chain between two links of a tree.
+/// The serial chain between two links of a tree, through their common ancestor.
 struct Chain {
   std::string base, tip;
   std::vector<ChainJoint> joints;  ///< moving joints, base to tip
@@ -50,11 +51,11 @@ struct Chain {
 
 /// The chain from `base` (empty: the root) to `tip` (empty: the only leaf).
 ///
-/// A mimic joint moves with its master's coordinate. Branches beside the chain contribute to its inertias
-/// with their joints at zero.
-/// @throws Error (input; keys `robot.base`, `robot.tip`) for an unknown link, several leaves, a tip that is
-/// not a
-///   descendant of base, a floating or planar joint between them, or no moving joint; with its place in the
+/// A mimic joint moves with its master's coordinate. A joint from child to parent has its axis reversed.
+/// Branches beside the chain, and what is above the common ancestor, contribute to its inertias with their
+/// joints at zero: the base is held.
+/// @throws Error (input; keys `robot.base`, `robot.tip`) for an unknown link, several leaves, two links that
+///   no joints connect, a floating or planar joint between them, or no moving joint; with its place in the
 ///   URDF for a flaw that spoils a joint or link of the chain
 Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
 

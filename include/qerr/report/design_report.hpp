@@ -89,8 +89,13 @@ struct DesignReport {
   std::vector<std::string> warnings;
 };
 
+/// Called within a search, with its number, from 1, and the part that is done of the work after which it ends
+/// at the latest.
+using SearchProgress = std::function<void(std::size_t search, double part)>;
+
 struct DesignOptions {
   WorkspaceOptions workspace;
+  SearchProgress search_progress;
   std::string pareto;        ///< quantity of the front; "": that of the tightest requirement
   bool alternatives = true;  ///< compute the prices of requirements and the front
   std::string target;        ///< path of the spec with the choice, to which its paths are relative; "": none

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import builtins
 import csv
+import inspect
 import io
 import json
 import os
@@ -26,7 +27,7 @@ from . import _qerr
 
 __version__: str = _qerr.version
 Path = Union[str, "os.PathLike[str]"]
-Log = Union[Path, Mapping[str, Any]]
+Log = Union[Path, Mapping[str, Any]]  # a pandas.DataFrame, too
 
 
 class Error(Exception):
@@ -34,6 +35,9 @@ class Error(Exception):
 
     faults: a list of dicts with file, line, column, key, rule, found, remedy; code: the exit code of the program.
     """
+
+    faults: list[dict[str, Any]]
+    code: int
 
     def __init__(self, text: str, faults: list[dict[str, Any]], code: int):
         super().__init__(text)
@@ -48,7 +52,7 @@ def _value(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _words(options: Mapping[str, Any]) -> list[str]:
+def _words(options: Mapping[str, Any], pairs: Iterable[str] = ()) -> list[str]:
     words: list[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
@@ -56,6 +60,8 @@ def _words(options: Mapping[str, Any]) -> list[str]:
             continue
         if value is True:
             words.append(option)
+        elif name in pairs:
+            words += [option, *(str(one) for one in value)]
         elif isinstance(value, Mapping):
             for key, one in value.items():
                 words += [option, f"{key}={_value(one)}"]
@@ -65,6 +71,16 @@ def _words(options: Mapping[str, Any]) -> list[str]:
         else:
             words += [option, os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
     return words
+
+
+def _column(values: Any) -> Any:
+    """Calendar time as seconds after the first stamp; everything else is converted by the module, if it is no float64."""
+    if getattr(getattr(values, "dtype", None), "kind", "") != "M":
+        return values
+    import numpy
+
+    stamps = numpy.asarray(values, dtype="M8[ns]")
+    return (stamps - stamps[:1]).astype(float) * 1e-9
 
 
 def _number(text: str) -> Any:
@@ -79,17 +95,21 @@ def _number(text: str) -> Any:
 class Report:
     """What a command found. Forms that were not computed at once are computed when they are read."""
 
-    def __init__(self, command: str, words: list[str], formats: Iterable[str] = ("json", "csv"), quiet: bool = False):
-        self.command, self._words = command, words
+    command: str
+    code: int  #: 1: check found a requirement that is not met
+    warnings: list[str]
+
+    def __init__(self, command: str, words: list[str], formats: Iterable[str] = ("json", "csv"), quiet: bool = False,
+                 log: Iterable[tuple[str, Any]] = ()):
+        self.command, self._words, self._log = command, words, [(name, _column(values)) for name, values in log]
         ran = self._run(formats)
-        self.warnings: list[str] = ran.warnings
-        self.code: int = ran.code  #: 1: check found a requirement that is not met
+        self.warnings, self.code = ran.warnings, ran.code
         if not quiet:
             for text in ran.warnings:
                 _warnings.warn(text, Warning, stacklevel=4)
 
     def _run(self, formats: Iterable[str], *more: str) -> Any:
-        ran = _qerr.run([self.command, *more, *self._words], builtins.list(formats))
+        ran = _qerr.run([self.command, *more, *self._words], builtins.list(formats), self._log)
         self._texts = {**getattr(self, "_texts", {}), **ran.reports}
         return ran
 
@@ -142,11 +162,12 @@ class _Written(Report):
 
 def _report(command: str, paths: Iterable[Path], options: dict[str, Any], kind: type[Report] = Report, **more: Any) -> Report:
     quiet = bool(options.pop("quiet", False))
-    known = {name.lstrip("-").replace("-", "_") for name, _ in _qerr.options(command)}
+    known = {name: kind for name, kind, _ in _qerr.options(command)}
     unknown = [name for name in options if name not in known]
     if unknown:
         raise TypeError(f"qerr.{command}() has no argument '{unknown[0]}'; it has: {', '.join(sorted(known))}")
-    return kind(command, [*_words(options), "--", *(os.fspath(p) for p in paths)], quiet=quiet, **more)
+    pairs = [name for name, of in known.items() if of == "pair"]
+    return kind(command, [*_words(options, pairs), "--", *(os.fspath(p) for p in paths)], quiet=quiet, **more)
 
 
 def _paths(given: Path | Iterable[Path]) -> list[Path]:
@@ -216,15 +237,12 @@ def list(kind: str) -> Report:
 def diagnose(spec: Path, log: Log | Iterable[Path] | None = None, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
     """Causes of the errors of a measured log: a file, several, or arrays by the names of their columns.
 
-    Arrays are written to a file first, which takes about a microsecond a value.
+    Arrays of float64 are read where they are; nan is a missing value, a column of datetime64 the time.
     """
     options = {"set": set, **options}
-    if log is None or not isinstance(log, Mapping):
-        return _report("diagnose", [spec, *([] if log is None else _paths(log))], options)
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "log.csv")
-        _qerr.write_columns(path, builtins.list(log.items()))
-        return _report("diagnose", [spec, path], options, formats=("json", "csv", "table"))
+    if hasattr(log, "items"):
+        return _report("diagnose", [spec], options, log=log.items())
+    return _report("diagnose", [spec, *([] if log is None else _paths(log))], options)
 
 
 def configurations(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> dict[str, Any]:
@@ -240,6 +258,22 @@ def schema() -> dict[str, Any]:
     return json.loads(_qerr.json_schema())
 
 
+_TYPES = {"flag": "bool", "number": "float | str", "whole": "int", "text": "str | os.PathLike[str]", "optional": "bool | float | str",
+          "pair": "tuple[float | str, float | str]", "repeat": "Path | Iterable[Path] | Mapping[str, Any]"}
+
+
+def _describe(function: Any, command: str) -> None:
+    """Gives a function the options of its command: in its signature, for editors, and in its docstring."""
+    options = _qerr.options(command)
+    signature = inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind != inspect.Parameter.VAR_KEYWORD]
+    more = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_TYPES[kind] + " | None")
+            for name, kind, _ in options if name not in signature.parameters and name not in ("help", "version")]
+    function.__signature__ = signature.replace(parameters=own + more)
+    function.__doc__ = (function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(f"    {name}: {meaning}" for name, _, meaning in options)
+
+
 for _function in (analyze, check, compare, design, diagnose, filter, robot, simulate, sweep, threshold):
-    _function.__doc__ = (_function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(
-        f"    {_name.lstrip('-').replace('-', '_')}: {_meaning}" for _name, _meaning in _qerr.options(_function.__name__))
+    _describe(_function, _function.__name__)
+_describe(simulated_log, "simulate")
+_describe(configurations, "analyze")

@@ -50,7 +50,7 @@ class DesignJob {
     filter_obstacles_ = std::move(sets.obstacles);
     if (!sets.sets.empty())
       for (const DesignedFilter& f : sets.sets.front().designed) variants.variant({lowpass_change(f)});
-    solver_ = std::make_unique<DesignSolver>(*problem_, std::move(sets.sets));
+    solver_ = std::make_unique<DesignSolver>(*problem_, std::move(sets.sets), options.search_progress);
   }
 
   DesignReport report() {
@@ -343,7 +343,7 @@ class DesignJob {
   DesignFindings find_with_other_filters(DesignQuery query) {
     FilterSets sets = filter_sets(*problem_, request_, query.limits, goal_);
     query.known.clear();
-    return DesignSolver(*problem_, std::move(sets.sets)).find(query);
+    return DesignSolver(*problem_, std::move(sets.sets), options_.search_progress).find(query);
   }
 
   /// The sums of prices, if all are stated, and of bits.

@@ -13,8 +13,8 @@ std::vector<double> stated_limits(const Spec& spec, std::size_t stated) {
   return limits;
 }
 
-DesignSolver::DesignSolver(DesignProblem& problem, std::vector<FilterSet> sets)
-    : problem_(problem), sets_(std::move(sets)), searched_(sets_.size()) {
+DesignSolver::DesignSolver(DesignProblem& problem, std::vector<FilterSet> sets, SearchProgress progress)
+    : problem_(problem), sets_(std::move(sets)), searched_(sets_.size()), progress_(std::move(progress)) {
   for (std::size_t j = 0; j < problem.options().size(); ++j) any_encoder_ = any_encoder_ || problem.chosen(j);
 }
 
@@ -50,6 +50,8 @@ DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) 
   request.most = query.most;
   request.wanted = query.wanted;
   request.work = query.work;
+  ++searches_;
+  if (progress_) request.progress = [this](double part) { progress_(searches_, part); };
   for (const FoundDesign& d : query.known)
     if (d.set == set || sets_.size() > 1) request.known.push_back(d.choice);
   for (const FoundDesign& d : query.excluded)

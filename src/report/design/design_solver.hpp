@@ -43,7 +43,7 @@ struct DesignGoal {
 /// Looks for designs of least cost, or of the least figure, in all filter sets.
 class DesignSolver {
  public:
-  DesignSolver(DesignProblem&, std::vector<FilterSet>);
+  DesignSolver(DesignProblem&, std::vector<FilterSet>, SearchProgress = {});
   DesignSolver(const DesignSolver&) = delete;
   DesignSolver& operator=(const DesignSolver&) = delete;
 
@@ -91,6 +91,8 @@ class DesignSolver {
   std::vector<FilterSet> sets_;
   std::vector<std::unique_ptr<Searched>> searched_;
   bool any_encoder_ = false;
+  SearchProgress progress_;
+  std::size_t searches_ = 0;
 };
 
 /// The limits of all requirements: those of the spec, and none for the entries beyond `stated`.

@@ -23,6 +23,7 @@ RobotReport robot_report(RobotModel robot, const std::string& text, const std::s
     const Chain chain = first_chain(report.robot, base, tip);
     report.base = chain.base;
     report.tip = chain.tip;
+    if (find_path(report.robot, chain.base, chain.tip).upward > 0) report.ends = tree_ends(report.robot);
   } catch (const Error& e) {
     if (!base.empty() || !tip.empty()) throw;
     report.obstacle = e.what();
