@@ -155,8 +155,10 @@ void check_controller_output(Sanity& s, std::size_t joint) {
   // A measured load would leave the quantization error of the position in the residual.
   const bool exact = line.residual_rms < 0.3 * ideal;
   const EffortShares shares = exact ? EffortShares{0, 1} : effort_shares(s, joint, effort);
-  // A load follows the masses better than the joint's own motion, a servo error the reverse.
-  if (shares.masses > shares.servo) return;
+  // A load follows the masses, a servo error the joint's own motion. The load of a balanced joint is its
+  // acceleration, of which the own motion has more than the masses.
+  constexpr double as_well = 0.02;
+  if (shares.masses > shares.servo - as_well) return;
   if (shares.masses < 0) {
     s.alternatives.push_back({std::string(compliance_effect().name),
                               std::string(controller_droop_effect().name), name,
@@ -250,20 +252,23 @@ EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointMotion& m, con
   return p;
 }
 
-/// Converts an effort to N m or N with the sign of the load.
+/// Converts an effort to N m or N, with the sign of the load. One that is stated in these keeps its size, as
+/// a payload may be unknown, but at the motor's side of a gear.
 void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double factor) {
   LogColumn& head = s.log.columns[static_cast<std::size_t>(column)];
   const IndependentJoint& j = s.model.chain.independent[joint];
   const std::string unit = j.prismatic() ? "N" : "N m";
   const bool stated = head.unit == unit;
-  const double size = std::abs(factor);
-  if (!stated || size > same_unit || size < 1 / same_unit) {
+  const double ratio = std::abs(s.model.transmission.encoders[joint].shaft_ratio),
+               of_motor = std::abs(factor) * ratio;
+  const bool at_motor = ratio > 2 * same_unit && of_motor < same_unit && of_motor > 1 / same_unit;
+  if (!stated || at_motor) {
     s.data.push_back({head.header + ": 1 " + head.unit + " is " + readable(1 / factor, unit) +
                           " by the masses of the URDF",
                       j.name,
                       {},
                       {},
-                      "write the effort in " + unit,
+                      "write the effort in " + unit + " at the joint",
                       stated ? DataKind::contradictory : DataKind::remark});
   } else if (factor < 0) {
     factor = -1;

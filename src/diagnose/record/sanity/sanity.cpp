@@ -133,7 +133,8 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_outliers(s);
   sanity::check_held_sensors(s);  // before stuck sensors: a hold of many rows looks like one
-  for (const auto step : {sanity::check_unrelated, sanity::check_reference_noise, sanity::check_stuck_sensor})
+  for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_reference_noise,
+                          sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   sanity::check_tracker(s);

@@ -39,6 +39,7 @@ struct Sanity {
 /// - `rollover`: counts jump by one modulus at the end of a counter; measured - reference has levels n M;
 /// - `decoding`: counts are a simple ratio (or -1) times the reference;
 /// - `log_rounding`: positions recorded more coarsely than the encoder resolves, in the file or the counter;
+/// - `missed_counts`: three losses of whole counts and more;
 /// - columns in another unit than their header says, exchanged columns, single readings far off;
 /// - sensors that are read less often than the log has rows, references on a grid coarser than the encoder;
 /// - stuck sensors, references that are constant, coarser than the encoder or unrelated to it;

@@ -87,6 +87,7 @@ void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
 void check_decoding(Sanity&, std::size_t encoder);
+void check_losses(Sanity&, std::size_t encoder);
 void check_log_resolution(Sanity&, std::size_t encoder);
 void check_frozen_reference(Sanity&, std::size_t encoder);
 void check_stuck_sensor(Sanity&, std::size_t encoder);

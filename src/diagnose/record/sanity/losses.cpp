@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "diagnose/record/sanity/sanity_steps.hpp"
+#include "effect/effects/effects.hpp"
+
+/// Losses of whole counts, from three on: the search for causes finds one or two, and takes many for a drift.
+namespace qerr::sanity {
+
+namespace {
+
+constexpr Eigen::Index side = 16;  ///< rows on each side of a step, of which the medians are compared
+constexpr Eigen::Index most_read = 1 << 18;  ///< rows: medians of more take seconds
+constexpr std::size_t fewest_losses = 3;
+constexpr double near_whole = 0.18;  ///< rms of what is left of whole numbers; by chance it is 1/sqrt(12)
+
+struct Loss {
+  Eigen::Index row;
+  double step;  ///< as seen [counts]
+
+  double counts() const { return std::round(step); }
+};
+
+double middle(const Eigen::ArrayXd& x) { return median({x.begin(), x.end()}); }
+
+/// Whether the joint moves on in one direction around a row: at a reversal the play of a gear makes a step.
+bool moves_on(const Eigen::ArrayXd& motion, Eigen::Index k) {
+  const Eigen::ArrayXd path = motion.segment(k - side, 2 * side);
+  const double net = std::abs(path[path.size() - 1] - path[0]);
+  return net > 0.8 * (path.tail(path.size() - 1) - path.head(path.size() - 1)).abs().sum() &&
+         net > side / 4.0;
+}
+
+/// Difference of the medians after and before a row.
+double step_at(const Eigen::ArrayXd& error, Eigen::Index k) {
+  return middle(error.segment(k, side)) - middle(error.segment(k - side, side));
+}
+
+/// Losses among the steps that stand out of those of other rows; empty if one of the steps is no loss, or
+/// their sizes are not those of whole numbers.
+std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
+  std::vector<double> others, jumps;
+  for (Eigen::Index k = side; k + side <= error.size(); k += side) {
+    others.push_back(std::abs(step_at(error, k)));
+    jumps.push_back(std::abs(error[k] - error[k - 1]));
+  }
+  const double usual = median(jumps) / 0.6745, least = std::max(1.5, 8 * median(others) / 0.6745);
+  std::vector<Loss> losses;
+  double squares = 0;
+  for (Eigen::Index k = side; k + side <= error.size(); ++k) {
+    const double jump = error[k] - error[k - 1];
+    if (std::abs(jump) < 0.5 * least) continue;
+    const double step = step_at(error, k);
+    if (std::abs(step) < least || std::abs(jump - step) > 3 * usual + 0.5) continue;
+    // The same step is seen from its neighbours.
+    const bool again = !losses.empty() && k < losses.back().row + side;
+    if (again && std::abs(step) <= std::abs(losses.back().step)) continue;
+    if (again) losses.pop_back();
+    losses.push_back({k, step});
+  }
+  for (const Loss& l : losses) {
+    if (std::round(l.step) == 0 || !moves_on(motion, l.row)) return {};
+    squares += std::pow(l.step - std::round(l.step), 2);
+  }
+  if (squares > near_whole * near_whole * static_cast<double>(losses.size())) return {};
+  return losses;
+}
+
+}  // namespace
+
+void check_losses(Sanity& s, std::size_t encoder) {
+  auto read = recorded_counts(s, encoder);
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  const auto stamps = s.log.find(LogSignal::time);
+  if (!read || !stamps || reference.size() < 8 * side || reference.size() > most_read) return;
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd motion = reference / resolution;
+  const std::vector<Loss> losses = losses_of(read->counts - motion, motion);
+  if (losses.size() < fewest_losses) return;
+  Eigen::ArrayXd counts = read->counts;
+  for (const Loss& l : losses) counts.tail(counts.size() - l.row) -= l.counts();
+  const double before = standard_deviation(read->counts - motion),
+               after = standard_deviation(counts - motion);
+  if (!(after < 0.5 * before)) return;
+  const double sign = direction(s.model.transmission.encoders[encoder]);
+  for (const Loss& l : losses) {
+    const double time = 0.5 * (s.log.values(l.row, *stamps) + s.log.values(l.row - 1, *stamps));
+    Cause c =
+        exact_cause(s, encoder, missed_counts_effect().name, {{"counts", sign * l.counts()}, {"time", time}},
+                    0, before * resolution, after * resolution);
+    c.parameters = {{"counts", sign * l.counts(), sign * l.counts(), sign * l.counts()},
+                    {"time", time, s.log.values(l.row - 1, *stamps), s.log.values(l.row, *stamps)}};
+    s.causes.push_back(std::move(c));
+  }
+  read->counts = std::move(counts);
+  write_back(s, *read, encoder);
+}
+
+}  // namespace qerr::sanity

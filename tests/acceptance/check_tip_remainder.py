@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""What a tracker sees beside the arm: vibrations and a slow wander must be told, white noise and quantization must not.
+
+    check_tip_remainder.py --qerr build/qerr [--rounds 3] [--seed 1] [--verbose]
+
+An arm of two links, by hand: x = a cos q1 + b cos(q1 + q2), y = a sin q1 + b sin(q1 + q2).
+"""
+import argparse
+import json
+import math
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+
+from tool import Tally, run
+
+URDF = """<robot name="arm"><link name="base"/><link name="upper"/><link name="lower"/><link name="tip"/>
+<joint name="q1" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="9" velocity="9"/></joint>
+<joint name="q2" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="{a} 0 0"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="9" velocity="9"/></joint>
+<joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="{b} 0 0"/></joint></robot>
+"""
+
+
+def motion(rng, t, speed):
+    """Two joints that move by sines, fast or so slowly that counts stay for many rows."""
+    return [sum(rng.uniform(0.2, 0.6) * np.sin(2 * math.pi * speed * rng.uniform(0.5, 2) * t + rng.uniform(0, 6)) for _ in range(2)) for _ in range(2)]
+
+
+def beside(rng, t, size):
+    """Name, what moves the tracked point along x [m], and its frequency, None for none."""
+    yield "nothing", np.zeros(len(t)), None
+    f = rng.uniform(3, 20)
+    yield "a hum", size * np.sin(2 * math.pi * f * t), f
+    f, stops = rng.uniform(8, 20), np.sort(rng.uniform(0, t[-1], 6))
+    since = t - stops[np.clip(np.searchsorted(stops, t) - 1, 0, None)]
+    yield "vibrations after stops", 4 * size * np.where(since >= 0, np.exp(-since * 2) * np.sin(2 * math.pi * f * since), 0), f
+    w = np.cumsum(rng.standard_normal(len(t)))
+    yield "a wander", 2 * size * (w - w.mean()) / np.std(w), 0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--verbose", action="store_true")
+    arguments = parser.parse_args()
+    qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), np.random.default_rng(arguments.seed)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        for round_ in range(arguments.rounds):
+            a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(12, 17))
+            (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))
+            (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
+            step, time = 2 * math.pi / counts, np.arange(6000) / 200
+            for speed in (0.3, 0.003):
+                q = motion(rng, time, speed)
+                noise = rng.uniform(0.3, 3) * step * a
+                for name, moved, frequency in beside(rng, time, 1.2 * (noise + step * a / 3)):
+                    x = a * np.cos(q[0]) + b * np.cos(q[0] + q[1]) + moved + noise * rng.standard_normal(len(time))
+                    y = a * np.sin(q[0]) + b * np.sin(q[0] + q[1]) + noise * rng.standard_normal(len(time))
+                    rows = np.column_stack([time, *(np.round(angle / step) for angle in q), x, y])
+                    np.savetxt(folder / "log.csv", rows, ["%.4f", "%d", "%d", "%.8f", "%.8f"], ",", comments="",
+                               header="time [s],q1.counts,q2.counts,tip.x [m],tip.y [m]")
+                    d = json.loads(run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "--format", "json", "-q").out)
+                    left = [u for u in d["unexplained"] if u["joint"] == "tip"]
+                    found = {c["effect"] for c in d["causes"]} - {"noise"}
+                    case = f"round {round_}, {counts} counts, {'fast' if speed > 0.1 else 'slow'}, {name}"
+                    said = f"{d['verdict']} {sorted(found)} {d['unexplained']}"
+                    if frequency is None:
+                        t.check(f"{case}: nothing is left", not left and not found, said)
+                    else:
+                        t.check(f"{case}: it is told", d["verdict"] not in ("nothing_wrong", "explained") and left, said)
+                        at = [u["frequency"] for u in left if u.get("frequency")]
+                        t.check(f"{case}: with its frequency", frequency == 0 or any(abs(f - frequency) < 0.1 * frequency + 0.3 for f in at), said)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
