@@ -198,7 +198,9 @@ RowsOf<AnalyzedJoint> rows(Of<AnalyzedJoint>) {
           {"accuracy", encoder(&Encoder::accuracy), "of the encoder, at the joint side", optional},
           {"gear_accuracy", encoder(&Encoder::gear_accuracy), "at the joint", optional},
           {"count_rate", rate, "counts/s; where a limit is stated", optional},
-          {"max_count_rate", most_rate, "counts/s", optional}};
+          {"max_count_rate", most_rate, "counts/s", optional},
+          {"max_speed", [](auto& j) { return largest_speed(j.whole.spec, j.i); },
+           "at which the counter can follow [rad/s or m/s]", optional}};
 }
 
 RowsOf<Position> rows(Of<Position>) {
