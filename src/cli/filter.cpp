@@ -163,7 +163,8 @@ Command filter_command() {
              .meaning = "velocity by finite differences compared with the time between edges, per encoder"},
             {.name = "--clock",
              .value = "F",
-             .meaning = "clock of the time between edges (default: the sample rate)",
+             .meaning = "clock of the time between edges (default: that of the spec's estimators, else the "
+                        "sample rate)",
              .needs = "--estimators"}},
            output_options()}),
       run,

@@ -112,6 +112,7 @@ int run(const Values& v) {
   }
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
+  if (v.given("estimators")) report.estimators = estimator_comparison(spec, options);
   if (log) outputs.write_next([&] { log->close(); });
   outputs.write([&] { finish(out, report, format, style(v)); });
   warn(report.warnings, v);
@@ -140,6 +141,10 @@ Command simulate_command() {
             {.name = "--tracking",
              .kind = OptionKind::flag,
              .meaning = "also the errors that the filters make by lag and ripple, and the total"},
+            {.name = "--estimators",
+             .kind = OptionKind::flag,
+             .meaning =
+                 "rank the velocity filters and estimators of the spec by their errors along the motion"},
             {.name = "--cutoffs",
              .value = "FILTER=FROM..TO",
              .meaning = "compare cut-offs of a filter: the least noise plus tracking error along the motion, "
@@ -154,6 +159,7 @@ Command simulate_command() {
        {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
        {"qerr simulate arm.yaml --cutoffs velocity=5Hz..200Hz",
         "which cut-off has the least noise plus tracking error"},
+       {"qerr simulate arm.yaml --estimators", "which velocity estimator has the least error"},
        {"qerr simulate arm.yaml --log log.csv", "and the log that a controller would have recorded"}},
       {"motion", "effects", "logs"}};
 }
