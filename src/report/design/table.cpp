@@ -31,6 +31,26 @@ std::string filter_sentence(const DesignedFilter& f) {
   return text;
 }
 
+std::vector<std::string> gain_sentences(const DesignReport& report, const Design& d) {
+  std::vector<std::string> all;
+  std::string joint;
+  for (const DesignedGain& g : d.gains) {
+    const auto& joints = report.spec.model.chain.independent;
+    const bool prismatic = std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& j) {
+      return j.name == g.joint && j.prismatic();
+    });
+    const std::string unit =
+        std::string(prismatic ? "N" : "N m") + (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
+    const std::string text = g.key + ' ' + significant(g.value, 4) + ' ' + unit;
+    if (joint == g.joint)
+      all.back() += ", " + text;
+    else
+      all.push_back("controller of " + shown(g.joint) + ": " + text);
+    joint = g.joint;
+  }
+  return all;
+}
+
 std::string best_linear_sentence(const DesignedFilter& f) {
   if (!f.best_linear) return "";
   const auto& b = *f.best_linear;
@@ -106,6 +126,7 @@ std::string choices(const DesignReport& report, const Design& d, const Style& st
     const std::string best = best_linear_sentence(f);
     if (!best.empty()) out += wrapped(best, style.width, "    ");
   }
+  for (const std::string& text : gain_sentences(report, d)) out += wrapped(text, style.width, "  ");
   return out;
 }
 
