@@ -325,7 +325,8 @@ class DesignJob {
                                       [&](double w) { return w != c.weights.front(); });
         });
       });
-      if (!varies && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
+      const bool of_loop = requirement(i).of_control && request_.filters.size() + request_.gains.size() > 0;
+      if (!varies && !of_loop && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
         report_.without_influence.push_back(i);
     }
   }

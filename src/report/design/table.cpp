@@ -32,22 +32,23 @@ std::string filter_sentence(const DesignedFilter& f) {
 }
 
 std::vector<std::string> gain_sentences(const DesignReport& report, const Design& d) {
-  std::vector<std::string> all;
-  std::string joint;
+  std::vector<std::pair<std::string, std::vector<std::string>>> joints_by_gain;
   for (const DesignedGain& g : d.gains) {
     const auto& joints = report.spec.model.chain.independent;
     const bool prismatic = std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& j) {
       return j.name == g.joint && j.prismatic();
     });
-    const std::string unit =
-        std::string(prismatic ? "N" : "N m") + (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
-    const std::string text = g.key + ' ' + significant(g.value, 4) + ' ' + unit;
-    if (joint == g.joint)
-      all.back() += ", " + text;
+    const std::string text = g.key + ' ' + significant(g.value, 4) + (prismatic ? " N" : " N m") +
+                             (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
+    const auto known = std::find_if(joints_by_gain.begin(), joints_by_gain.end(),
+                                    [&](const auto& entry) { return entry.first == text; });
+    if (known == joints_by_gain.end())
+      joints_by_gain.push_back({text, {shown(g.joint)}});
     else
-      all.push_back("controller of " + shown(g.joint) + ": " + text);
-    joint = g.joint;
+      known->second.push_back(shown(g.joint));
   }
+  std::vector<std::string> all;
+  for (const auto& [text, joints] : joints_by_gain) all.push_back(text + " of " + listed(joints));
   return all;
 }
 

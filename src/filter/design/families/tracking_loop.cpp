@@ -6,6 +6,7 @@ namespace qerr {
 namespace {
 
 Filter design(const FilterDesign& wanted) {
+  check_sample_rate(wanted.sample_rate);
   const std::size_t group = parameter_group(wanted, {{"bandwidth"}, {"bandwidth", "damping"}, {"kp", "ki"}});
   const double period = 1 / wanted.sample_rate;
   double kp = 0, ki = 0;
