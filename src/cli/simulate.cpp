@@ -10,6 +10,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/cutoffs.hpp"
+#include "simulate/settling.hpp"
 
 namespace qerr::cli {
 
@@ -81,12 +82,21 @@ std::string whole_run(const Spec& spec) {
   return write(simulation_report(spec, {}), "json");
 }
 
+/// Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
+Spec settled(Spec spec) {
+  if (spec.motion && !spec.motion->settling)
+    spec.motion->settling =
+        std::max(settling_time(*spec.motion, designed_filters(spec)), spec.motion->duration / 20);
+  return spec;
+}
+
 int run(const Values& v) {
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
-  const Spec spec = search ? with_cutoffs(*search, v)
-                           : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                                  {at_the_beginning(quick_run), whole_run});
+  Spec spec = search ? with_cutoffs(*search, v)
+                     : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
+                            {at_the_beginning(quick_run), whole_run});
+  if (v.given("estimators")) spec = settled(std::move(spec));
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
