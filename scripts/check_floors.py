@@ -45,6 +45,7 @@ FAMILIES = [
     ("src/effect/effects", EVERYWHERE),
     ("src/filter/design/families", EVERYWHERE),
     ("src/filter/design/representations", EVERYWHERE),
+    ("src/simulate/estimators", EVERYWHERE),
 ]
 # Keys and figures that are spelt like a member of a family: (file, name) and what the name means there.
 HOMONYMS = {
@@ -55,6 +56,7 @@ HOMONYMS = {
     ("src/report/schema.cpp", "tool"): "key of the spec",
     ("src/kinematics/tree.cpp", "tool"): "name of a link",
     ("src/report/analysis/json.cpp", "frame"): "member of a report",
+    ("src/report/simulation/json.cpp", "noise"): "member of a report",
     ("src/diagnose/inference/tip/tip.cpp", "frame"): "nuisances of the tip's fit",
     ("src/diagnose/inference/tip/tip.cpp", "tool"): "nuisances of the tip's fit",
     ("src/effect/effect.cpp", "noise"): "the shape of a residual",

@@ -4,6 +4,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "report/filter/code.hpp"
 
 namespace qerr::cli {
 
@@ -72,6 +73,23 @@ void require_joints(const Spec& spec, const std::vector<MotionQuestion>& motions
   }
 }
 
+struct Code {
+  const CodeLanguage* language = nullptr;  ///< null: none is asked for
+  std::unique_ptr<OutputFile> file;
+};
+
+/// The language and the file of --write-code, opened.
+Code code(const Values& v) {
+  const auto& words = v.texts("write-code");
+  if (words.empty()) return {};
+  std::string known;
+  for (const CodeLanguage& l : code_languages()) {
+    if (l.name == words[0]) return {&l, std::make_unique<OutputFile>(words[1], "--write-code")};
+    known += (known.empty() ? "" : ", ") + std::string(l.name);
+  }
+  throw usage("--write-code", "unknown language", "'" + words[0] + "'", "use one of " + known);
+}
+
 int run(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec =
@@ -84,7 +102,10 @@ int run(const Values& v) {
                       "the spec has no filters",
                       "",
                       "add filters: {velocity: {derivative: 1, ...}}"});
-  OutputFile out(v.text("output"));
+  const Code written = code(v);
+  const bool alone =
+      written.language && v.texts("write-code")[1] == "-" && !v.given("output") && !v.given("format");
+  const auto out = alone ? nullptr : opened(v, "output");
   const auto response = opened(v, "response"), transient = opened(v, "transient"),
              impulse = opened(v, "impulse");
   const FilterReport report = filter_report(spec, asked);
@@ -92,7 +113,8 @@ int run(const Values& v) {
   if (response) outputs.write([&] { finish(*response, response_csv(report)); });
   if (transient) outputs.write([&] { finish(*transient, transient_csv(spec)); });
   if (impulse) outputs.write([&] { finish(*impulse, impulse_csv(report)); });
-  outputs.write([&] { finish(out, report, v); });
+  if (written.language) outputs.write([&] { finish(*written.file, written.language->write(report)); });
+  if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
   outputs.finish();
   return 0;
@@ -131,12 +153,18 @@ Command filter_command() {
              .kind = OptionKind::pair,
              .meaning = "noise of every encoder along a sine: amplitude in counts, or with a unit"},
             {.name = "--coefficients", .kind = OptionKind::flag, .meaning = "show the sections or taps"},
+            {.name = "--write-code",
+             .value = "c|python|ros FILE",
+             .kind = OptionKind::pair,
+             .meaning =
+                 "write the filters as code: coefficients, a step function, norms and the rounding error"},
             {.name = "--estimators",
              .kind = OptionKind::flag,
              .meaning = "velocity by finite differences compared with the time between edges, per encoder"},
             {.name = "--clock",
              .value = "F",
-             .meaning = "clock of the time between edges (default: the sample rate)",
+             .meaning = "clock of the time between edges (default: that of the spec's estimators, else the "
+                        "sample rate)",
              .needs = "--estimators"}},
            output_options()}),
       run,
@@ -145,6 +173,7 @@ Command filter_command() {
         "and how well it tracks motion between two frequencies"},
        {"qerr filter arm.yaml --noise --speed 2rad/s",
         "its noise at a speed, and from which speed on IPQN is accurate"},
+       {"qerr filter arm.yaml --write-code c filters.h", "the filters as C code for the controller"},
        {"qerr filter arm.yaml --estimators --clock 1MHz", "counts per time compared with time per count"}},
       {"filters"}};
 }

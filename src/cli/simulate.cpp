@@ -10,6 +10,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/cutoffs.hpp"
+#include "simulate/settling.hpp"
 
 namespace qerr::cli {
 
@@ -81,12 +82,21 @@ std::string whole_run(const Spec& spec) {
   return write(simulation_report(spec, {}), "json");
 }
 
+/// Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
+Spec settled(Spec spec) {
+  if (spec.motion && !spec.motion->settling)
+    spec.motion->settling =
+        std::max(settling_time(*spec.motion, designed_filters(spec)), spec.motion->duration / 20);
+  return spec;
+}
+
 int run(const Values& v) {
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
-  const Spec spec = search ? with_cutoffs(*search, v)
-                           : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                                  {at_the_beginning(quick_run), whole_run});
+  Spec spec = search ? with_cutoffs(*search, v)
+                     : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
+                            {at_the_beginning(quick_run), whole_run});
+  if (v.given("estimators")) spec = settled(std::move(spec));
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
@@ -112,6 +122,7 @@ int run(const Values& v) {
   }
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
+  if (v.given("estimators")) report.estimators = estimator_comparison(spec, options);
   if (log) outputs.write_next([&] { log->close(); });
   outputs.write([&] { finish(out, report, format, style(v)); });
   warn(report.warnings, v);
@@ -140,6 +151,10 @@ Command simulate_command() {
             {.name = "--tracking",
              .kind = OptionKind::flag,
              .meaning = "also the errors that the filters make by lag and ripple, and the total"},
+            {.name = "--estimators",
+             .kind = OptionKind::flag,
+             .meaning =
+                 "rank the velocity filters and estimators of the spec by their errors along the motion"},
             {.name = "--cutoffs",
              .value = "FILTER=FROM..TO",
              .meaning = "compare cut-offs of a filter: the least noise plus tracking error along the motion, "
@@ -154,6 +169,7 @@ Command simulate_command() {
        {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
        {"qerr simulate arm.yaml --cutoffs velocity=5Hz..200Hz",
         "which cut-off has the least noise plus tracking error"},
+       {"qerr simulate arm.yaml --estimators", "which velocity estimator has the least error"},
        {"qerr simulate arm.yaml --log log.csv", "and the log that a controller would have recorded"}},
       {"motion", "effects", "logs"}};
 }

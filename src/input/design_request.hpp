@@ -31,6 +31,14 @@ struct FilterOptions {
   Place place;
 };
 
+/// The values that a gain of some joints' controllers may take, in all of them together.
+struct GainOptions {
+  std::vector<std::size_t> joints;
+  std::string key;             ///< kp or kd
+  std::vector<double> values;  ///< descending [N m/rad, N m s/rad, or N/m, N s/m]
+  Place place;
+};
+
 /// The section `design:` of a spec: what is minimized, and what may be chosen.
 struct DesignRequest {
   enum class Minimize { price, resolution, figure };
@@ -39,6 +47,7 @@ struct DesignRequest {
   std::optional<double> budget;  ///< highest price
   std::vector<JointOptions> encoders;
   std::vector<FilterOptions> filters;
+  std::vector<GainOptions> gains;
   std::string price_unit;  ///< of the catalogues; "" if they state none
   Place place;
 };

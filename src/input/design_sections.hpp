@@ -25,4 +25,7 @@ void read_design_encoders(const Field&, const std::string& folder, const RobotMo
 /// `design.filters`: what each filter of the spec may become.
 void read_design_filters(const Field&, const Spec&, DesignRequest&, Faults&);
 
+/// `design.gains`: the values that kp and kd of controllers may take. @pre control is read
+void read_design_gains(const Field&, const RobotModel&, const Spec&, DesignRequest&, Faults&);
+
 }  // namespace qerr

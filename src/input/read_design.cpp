@@ -85,8 +85,9 @@ void read_design(const Field& f, const std::string& folder, const RobotModel& ro
     faults.guard(
         [&] { read_design_encoders(o.at("encoders"), folder, robot, priced, spec, *request, faults); });
   if (o.has("filters")) faults.guard([&] { read_design_filters(o.at("filters"), spec, *request, faults); });
-  if (!faults.any() && request->encoders.empty() && request->filters.empty())
-    throw Error(f.fault("has nothing to choose", "add encoders: {'*': {bits: 12..23}}, or filters"));
+  if (o.has("gains")) faults.guard([&] { read_design_gains(o.at("gains"), robot, spec, *request, faults); });
+  if (!faults.any() && request->encoders.empty() && request->filters.empty() && request->gains.empty())
+    throw Error(f.fault("has nothing to choose", "add encoders: {'*': {bits: 12..23}}, filters or gains"));
   spec.design = request;
 }
 

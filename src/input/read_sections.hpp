@@ -55,6 +55,8 @@ void read_filters(const Field&, const RobotModel&, Spec&, Faults&);
 /// @throws Error (input) without a place if they exceed the range of double, or it passes nothing
 Norms checked_norms(const Filter&);
 /// @pre filters are read
+void read_estimators(const Field&, const RobotModel&, Spec&, Faults&);
+/// @pre filters are read
 void read_control(const Field&, const RobotModel&, Spec&);
 /// The controllers with the velocity filters of a list; null without controllers.
 std::shared_ptr<const Control> with_velocity_filters(const std::shared_ptr<const Control>&,

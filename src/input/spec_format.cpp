@@ -52,6 +52,9 @@ const std::vector<Parameter>& top() {
        .meaning = "in whose axes x y z rx ry rz are",
        .choices = "base|tip"},
       {.name = "filters", .kind = Kind::map, .meaning = "derivative filters by name"},
+      {.name = "estimators",
+       .kind = Kind::map,
+       .meaning = "velocity estimators that are no linear filter, by name; for simulate --estimators"},
       {.name = "control",
        .kind = Kind::object,
        .meaning = "the joints' controllers: what errors do to torques"},
@@ -404,6 +407,19 @@ const std::vector<Parameter>& tip_impedance() {
   return rows;
 }
 
+const std::vector<Parameter>& estimator() {
+  static const std::vector<Parameter> rows{
+      {.name = "kind",
+       .kind = Kind::text,
+       .meaning = "name of a row of `qerr list estimators`, which has the other keys",
+       .required = true},
+      {.name = "joints",
+       .kind = Kind::text,
+       .meaning = "name or pattern of the joints that have it; default: all"},
+  };
+  return rows;
+}
+
 const std::vector<Parameter>& wall() {
   static const std::vector<Parameter> rows{
       {.name = "normal",
@@ -474,6 +490,7 @@ const std::vector<Parameter>& design() {
        .kind = Kind::map,
        .meaning = "options by joint or pattern: a catalogue, or keys of an encoder with lists and ranges"},
       {.name = "filters", .kind = Kind::map, .meaning = "families, orders and cut-offs by filter"},
+      {.name = "gains", .kind = Kind::map, .meaning = "kp and kd of controllers by joint or pattern"},
   };
   return rows;
 }
@@ -493,6 +510,14 @@ const std::vector<Parameter>& design_filter() {
        .least = 0,
        .open_below = true},
       {.name = "tracking", .kind = Kind::object, .meaning = "highest tracking error of a motion"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& design_gains() {
+  static const std::vector<Parameter> rows{
+      {.name = "kp", .kind = Kind::any, .meaning = "values, such as [200 N m/rad, 400 N m/rad]"},
+      {.name = "kd", .kind = Kind::any, .meaning = "values, such as [2 N m s/rad, 4 N m s/rad]"},
   };
   return rows;
 }

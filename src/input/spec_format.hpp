@@ -31,12 +31,14 @@ const std::vector<Parameter>& effect();  ///< without the effect's own parameter
 const std::vector<Parameter>& control();
 const std::vector<Parameter>& controller();  ///< of a joint
 const std::vector<Parameter>& tip_impedance();
+const std::vector<Parameter>& estimator();
 const std::vector<Parameter>& wall();
 const std::vector<Parameter>& log();
 const std::vector<Parameter>& log_column();
 const std::vector<Parameter>& sweep();
 const std::vector<Parameter>& design();
 const std::vector<Parameter>& design_filter();
+const std::vector<Parameter>& design_gains();
 const std::vector<Parameter>& design_tracking();
 
 /// The keys whose values are paths of files, relative to the spec. `*` is any key, `[]` any item of a list.

@@ -119,6 +119,13 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          section(top, "filters", r.faults_,
                  [&](const Field& f) { read_filters(f, *r.robot_, r.spec_, r.faults_); });
        }},
+      {{"estimators"},
+       {"filters"},
+       [](Spec& spec) { spec.estimators.clear(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "estimators", r.faults_,
+                 [&](const Field& f) { read_estimators(f, *r.robot_, r.spec_, r.faults_); });
+       }},
       {{"control", "walls"},
        {"coordinates", "frame", "filters", "requirements"},
        [](Spec& spec) {

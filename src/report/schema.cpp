@@ -10,6 +10,7 @@
 #include "qerr/report/write.hpp"
 #include "report/list/list_report.hpp"
 #include "report/rows.hpp"
+#include "simulate/estimators/estimator.hpp"
 
 /// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits
 /// are checked by the reader alone.
@@ -203,6 +204,7 @@ Json design() {
   Json s = object_of(spec_format::design());
   refine(s, "encoders", schema::map(design_encoder()));
   refine(s, "filters", schema::map(filter));
+  refine(s, "gains", schema::map(object_of(spec_format::design_gains())));
   return s;
 }
 
@@ -217,6 +219,16 @@ Json control() {
     tip["properties"][key]["minItems"] = tip["properties"][key]["maxItems"] = 3;
   refine(s, "tip", tip);
   return s;
+}
+
+Json estimator() {
+  Json kinds = Json::array();
+  for (const EstimatorKind& kind : estimator_kinds()) {
+    Json s = object_of(joined(spec_format::estimator(), kind.parameters));
+    s["properties"]["kind"] = {{"const", kind.name}, {"description", kind.summary}};
+    kinds.push_back(s);
+  }
+  return {{"oneOf", kinds}};
 }
 
 Json wall() {
@@ -257,6 +269,7 @@ std::string json_schema() {
           {"uniqueItems", true},
           {"items", {{"type", "string"}, {"examples", names}}}});
   refine(s, "filters", schema::map(filter()));
+  refine(s, "estimators", schema::map(estimator()));
   refine(s, "configurations", configurations());
   Json requirement = object_of(spec_format::requirement());
   for (const char* key : {"at_most", "at_least"}) refine(requirement, key, number_or_quantity());

@@ -54,25 +54,24 @@ Eigen::VectorXd center(const Motion& motion) {
   return middle;
 }
 
+Eigen::VectorXd displacement_of_run(const Transmission& t, const SimulationOptions& options,
+                                    std::uint64_t run) {
+  constexpr std::uint64_t stream = 0x7068617365;
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(resolutions(t).size());
+  if (!options.random_phase) return d;
+  const auto first = run * static_cast<std::uint64_t>(d.size());
+  for (Eigen::Index i = 0; i < d.size(); ++i)
+    d[i] = t.encoders[static_cast<std::size_t>(i)].resolution *
+           (unit_interval(random_bits(options.seed, first + static_cast<std::uint64_t>(i), stream)) - 0.5);
+  return d;
+}
+
 namespace {
 
-constexpr std::uint64_t displacement_stream = 0x7068617365;
-
-/// Displacement of each encoder by a fraction of a count: uniform, and independent of all other runs, so that
-/// their scatter is that of their mean.
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
-  const Eigen::VectorXd steps = resolutions(job.model.transmission);
-  if (job.every_zero)
-    return (steps * ((static_cast<double>(run) + 0.5) / static_cast<double>(job.options.runs) - 0.5)).eval();
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
-  if (!job.options.random_phase) return d;
-  const auto first = run * static_cast<std::uint64_t>(d.size());
-  for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const std::uint64_t bits =
-        random_bits(job.options.seed, first + static_cast<std::uint64_t>(i), displacement_stream);
-    d[i] = steps[i] * (unit_interval(bits) - 0.5);
-  }
-  return d;
+  if (!job.every_zero) return displacement_of_run(job.model.transmission, job.options, run);
+  return resolutions(job.model.transmission) *
+         ((static_cast<double>(run) + 0.5) / static_cast<double>(job.options.runs) - 0.5);
 }
 
 /// Samples from .. to - 1 of a batch that belong to block `number` of a record.

@@ -48,6 +48,14 @@ struct Job {
   bool every_zero = false;  ///< displace the runs by equal steps over a whole count instead
 };
 
+/// Displacement of each encoder in a run by a fraction of a count, where the options ask for it: uniform, and
+/// independent of all other runs, so that their scatter is that of their mean.
+Eigen::VectorXd displacement_of_run(const Transmission&, const SimulationOptions&, std::uint64_t run);
+
+/// A filter uses every n-th sample of the motion.
+/// @throws Error (input; key `motion.sample_rate`) if its rate does not divide that of the motion
+std::uint64_t divisor_of(const Filter&, const Motion&);
+
 /// Result of runs that are simulated together: statistics of each, and theory at the samples of all.
 struct RunsResult {
   std::vector<std::vector<RunStatistics>> outputs;  ///< [run][0: position, then the filters]

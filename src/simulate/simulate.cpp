@@ -18,15 +18,8 @@
 
 namespace qerr {
 
-namespace {
-
-// Longer runs are distributed to threads one by one.
-constexpr std::uint64_t most_samples_together = std::uint64_t{1} << 15;
-
-/// The largest whole number to which a double has all neighbours.
-constexpr double most_exact_whole = 9007199254740992;  // 2^53
-
-std::uint64_t divisor(const Filter& filter, const Motion& motion) {
+std::uint64_t divisor_of(const Filter& filter, const Motion& motion) {
+  constexpr double most_exact_whole = 9007199254740992;  // 2^53: a double has all neighbours up to it
   const double ratio = motion.sample_rate / filter.sample_rate, whole = std::round(ratio);
   if (whole < 1 || whole > most_exact_whole || std::abs(ratio - whole) > 1e-9 * whole)
     throw Error({{},
@@ -36,6 +29,11 @@ std::uint64_t divisor(const Filter& filter, const Motion& motion) {
                  "give both the same rate, or the motion a multiple"});
   return static_cast<std::uint64_t>(whole);
 }
+
+namespace {
+
+// Longer runs are distributed to threads one by one.
+constexpr std::uint64_t most_samples_together = std::uint64_t{1} << 15;
 
 /// over/under; NaN if one of them is infinite or NaN, 1 if `under` is zero.
 double ratio(double over, double under) {
@@ -167,7 +165,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
                     const SimulationOptions& options) {
   const auto samples = static_cast<std::uint64_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
   std::vector<std::uint64_t> every;
-  for (const Filter& filter : filters) every.push_back(divisor(filter, motion));
+  for (const Filter& filter : filters) every.push_back(divisor_of(filter, motion));
   const double settling = std::ceil(settling_time(motion, filters) * motion.sample_rate);
   const OperationalError middle = operational_error(model, center(motion));
   const Job job{

@@ -225,6 +225,30 @@ TEST(Trackers, LagTheirLastDerivativeByTheStatedTime) {
   EXPECT_NEAR(group_delay(designed(third, 2)), (2 * b / g - 0.5) / 1000, 1e-17);
 }
 
+TEST(TrackingLoop, IsTheLoopThatDrivesRun) {
+  // ODrive's default, bandwidth 1000 rad/s at 8 kHz, against its recursion on an impulse.
+  const Filter loop = designed({"tracking_loop", {{"bandwidth", 1000}}, {}}, 1, 8000);
+  const double period = 1.0 / 8000, kp = 2 * 1000, ki = kp * kp / 4;
+  const std::vector<double> h = impulse_response(loop, 400);
+  double x = 0, v = 0, square = 0;
+  for (std::size_t k = 0; k < h.size(); ++k) {
+    x += period * v;
+    const double r = (k == 0 ? 1 : 0) - x;
+    x += period * kp * r;
+    v += period * ki * r;
+    EXPECT_NEAR(h[k], v, 1e-10);
+    square += v * v;
+  }
+  EXPECT_NEAR(h2_norm(loop), std::sqrt(square), 1e-9);
+  EXPECT_NEAR(h2_norm(loop), 189.4, 0.05);
+  EXPECT_EQ(impulse_response(designed({"tracking_loop", {{"kp", kp}, {"ki", ki}}, {}}, 1, 8000), 9),
+            impulse_response(loop, 9));
+  EXPECT_NE(refusal([&] {
+              designed({"tracking_loop", {{"bandwidth", 1000}}, {}}, 1, 800);
+            }).rule.find("stable"),
+            std::string::npos);
+}
+
 TEST(AlphaBeta, RejectsUnstableGains) {
   const auto tried = [](double alpha, double beta) {
     return refusal([&] { designed({"alpha_beta", {{"alpha", alpha}, {"beta", beta}}, {}}, 1); });

@@ -113,6 +113,31 @@ TEST(CountRates, AreSpeedTimesCountsThroughTheCoupling) {
   }
 }
 
+TEST(CountRates, AndSpeedsOfNarrowCountersAreInEveryFormat) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(0.1, 1);
+  for (int i = 0; i < 20; ++i) {
+    const double ratio = 200 * unit(random), limit = 3 * unit(random);
+    const int lines = 100 + static_cast<int>(2000 * unit(random)), bits = 8 + i % 12;
+    const Spec spec = parse_spec(
+        "qerr: 1\nrobot: {joint: {name: table, type: revolute, velocity: " + std::to_string(limit) +
+            "}}\nencoders: {table: {lines_per_rev: " + std::to_string(lines) +
+            ", gear_ratio: " + std::to_string(ratio) + ", counter_bits: " + std::to_string(bits) +
+            "}}\nfilters: {v: {derivative: 1, sample_rate: 1 kHz}, w: {derivative: 1, sample_rate: 500}}\n",
+        "a.yaml");
+    const double edges = 4.0 * lines * std::stod(std::to_string(ratio)) / (2 * std::numbers::pi);
+    const double speed = std::stod(std::to_string(limit));
+    // The difference of two readings of a counter of n bits is read as one of -2^(n-1) .. 2^(n-1) - 1.
+    const double largest = 500 * std::pow(2.0, bits - 1) / edges;
+    EXPECT_NEAR(count_rate(spec, 0, speed), edges * speed, 1e-9 * edges);
+    EXPECT_NEAR(*largest_speed(spec, 0), largest, 1e-9 * largest);
+    const Analysis a = analyze(spec);
+    EXPECT_EQ(!count_rate_warnings(spec).empty(), speed > largest);
+    EXPECT_NE(write(a, "csv").find("counter,,table,1/s,count_rate,max,"), std::string::npos);
+    EXPECT_NE(write(a, "table").find("Counters"), std::string::npos);
+  }
+}
+
 TEST(CountRates, TooHighAWarningNamesTheLowestLimit) {
   const auto warnings = [](const std::string& encoder) {
     return count_rate_warnings(parse_spec(text(encoder, ""), "a.yaml"));

@@ -46,7 +46,8 @@ inline std::vector<SampleFilter> sample_filters() {
            {{"model", "constant_acceleration"}},
            2},
           {"alpha_beta", {{"alpha", 0.4}, {"damping", 1}}, {}, 1},
-          {"alpha_beta_gamma", {{"alpha", 0.5}, {"beta", 0.2}, {"gamma", 0.05}}, {}, 2}};
+          {"alpha_beta_gamma", {{"alpha", 0.5}, {"beta", 0.2}, {"gamma", 0.05}}, {}, 2},
+          {"tracking_loop", {{"bandwidth", 200}}, {}, 1}};
 }
 
 inline Filter designed(const SampleFilter& sample, int derivative, double sample_rate = 1000) {

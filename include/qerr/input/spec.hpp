@@ -15,7 +15,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/robot_model.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 
@@ -87,6 +87,7 @@ struct Spec {
   OperationalModel model;
   std::vector<EncoderFigures> encoder_figures;  ///< one per independent joint
   std::vector<NamedFilter> filters;             ///< in the spec's order
+  std::vector<EstimatorDesign> estimators;
   Configurations configurations;
   std::vector<Requirement> requirements;
   std::optional<double> threshold_length;  ///< [m]

@@ -38,12 +38,19 @@ struct DesignedFilter {
   std::optional<BestLinear> best_linear;
 };
 
-/// A choice of encoders and filters, with the requirements as `check` evaluates them.
+/// A gain chosen for a joint's controller.
+struct DesignedGain {
+  std::string joint, key;  ///< kp or kd
+  double value = 0;        ///< [N m/rad, N m s/rad, or N/m, N s/m]
+};
+
+/// A choice of encoders, filters and gains, with the requirements as `check` evaluates them.
 struct Design {
   std::optional<double> price;  ///< empty: that of an encoder is not stated
   double bits = 0;              ///< sum over the joints
   std::vector<DesignedEncoder> encoders;
   std::vector<DesignedFilter> filters;
+  std::vector<DesignedGain> gains = {};
   std::vector<RequirementResult> results;   ///< one for each requirement
   std::optional<double> minimized;          ///< value of the figure that is minimized
   std::vector<std::string> changes_by_set;  ///< KEY=VALUE, which make it of the spec

@@ -127,7 +127,8 @@ FilterReport filter_report(const Spec&, const FilterQuestions&);
 ///
 /// The sample rate is that of the first filter that estimates a derivative (of the first filter if none
 /// does).
-/// @param clock  [Hz], between 1e-3 and 1e15; the sample rate when empty, as in the paper
+/// @param clock  [Hz], between 1e-3 and 1e15; when empty that of the first of the spec's estimators with a
+/// clock, else the sample rate, as in the paper
 /// @pre the spec has a filter
 EstimatorReport estimator_report(const Spec&, std::optional<double> clock = {});
 

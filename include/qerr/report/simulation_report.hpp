@@ -23,11 +23,18 @@ struct SimulationReport {
   std::uint64_t seed = 1;
   std::vector<std::string> warnings;
   std::optional<CutoffSearch> cutoffs = {};
+  /// The filters of derivative 1 and the estimators of the spec, the least error of each joint first; empty:
+  /// not asked for.
+  std::vector<EstimatedVelocity> estimators = {};
 };
 
 /// Simulates the spec's motion.
 /// @throws Error (input; key `motion`) if the spec has none
 SimulationReport simulation_report(const Spec&, const SimulationOptions&);
+
+/// The spec's filters with derivative 1 and its estimators, compared along its motion.
+/// @throws Error (input; key `estimators` or `motion`) if there is nothing to compare, or too much
+std::vector<EstimatedVelocity> estimator_comparison(const Spec&, const SimulationOptions&);
 
 /// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts
 /// (`measured` if the log has a resolution of its own), the reference, and the effort if the URDF has masses;

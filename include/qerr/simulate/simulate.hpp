@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
@@ -65,6 +68,37 @@ struct Simulation {
   std::uint64_t settling = 0;                         ///< samples of each run that statistics exclude
   std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
   std::vector<ErrorTrace> traces = {};                ///< the same order; empty: not asked for
+};
+
+/// A velocity estimator that is no linear filter, with its checked parameters in SI units.
+struct EstimatorDesign {
+  std::string name;
+  std::string kind;  ///< name of a row of `qerr list estimators`
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::string> choices;
+  std::vector<std::size_t> joints = {};  ///< independent joints that have it; empty: all
+};
+
+/// Root mean square error of an estimate at about one speed.
+struct ErrorAtSpeed {
+  double speed = 0, rms = 0;  ///< magnitudes [rad/s or m/s]
+};
+
+/// One estimate of one joint's velocity along a motion, over all runs, behind the settling [rad/s or m/s].
+struct EstimatedVelocity {
+  std::string estimator, kind;  ///< kind "filter" of a filter
+  std::size_t joint = 0;
+  double rms = 0;    ///< of the estimate minus the true velocity at the same instant
+  double worst = 0;  ///< largest magnitude of that
+  /// By which the true velocity must be late to fit the estimate best [s]; empty: it never changes, or an
+  /// estimate that follows it by no delay.
+  std::optional<double> delay;
+  double noise = 0;     ///< rms of the estimate minus the true velocity at that delay
+  double tracking = 0;  ///< rms of what the delay alone makes
+  /// Bound of the error that the counts make, of the timing of edges at speeds up to the largest of the
+  /// motion; empty: none is known.
+  std::optional<double> worst_case;
+  std::vector<ErrorAtSpeed> by_speed;  ///< in classes of the speed, ascending
 };
 
 /// Signals of controller and reference sensor at one sample.

@@ -19,6 +19,7 @@ const std::vector<FilterFamily>& filter_families() {
       kalman_family(),
       alpha_beta_family(),
       alpha_beta_gamma_family(),
+      tracking_loop_family(),
   };
   return list;
 }

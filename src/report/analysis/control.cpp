@@ -9,17 +9,18 @@
 #include "control/loop_response.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
+#include "qerr/bound/independent_error.hpp"
+#include "qerr/kinematics/jacobian.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
 
 namespace {
 
-constexpr std::uint64_t most_configurations = 10'000;
 constexpr double unknown_figure = std::numeric_limits<double>::quiet_NaN();
 
 Eigen::MatrixXd first_configurations(const Spec& spec) {
-  return draw(spec.configurations, 0, std::min(most_configurations, size(spec.configurations)));
+  return draw(spec.configurations, 0, std::min(configurations_of_control, size(spec.configurations)));
 }
 
 constexpr int sampled_inertias = 9;
@@ -162,6 +163,57 @@ double largest_kd(const Spec& spec, std::size_t joint, const Requirement& r) {
   return lower;
 }
 
+/// ||kp + kd H||_1 of the joint's own controller, or of each pair of joints of an impedance at the tip:
+/// errors of joint j in the torque of a joint.
+Eigen::RowVectorXd torque_norms(const Spec& spec, std::size_t joint, const Eigen::VectorXd& q,
+                                const Eigen::MatrixXd& moved, const std::vector<ResponseSums>& sums) {
+  const Control& control = *spec.model.control;
+  const auto row = static_cast<Eigen::Index>(joint);
+  if (!control.tip)
+    return moved.row(row).cwiseAbs() * sums[joint].l1(control.joints[joint].kp, control.joints[joint].kd);
+  const Eigen::MatrixXd j = jacobian(spec.model.chain, q).topRows<3>();
+  const Eigen::RowVectorXd k = j.col(row).transpose() * control.tip->stiffness.asDiagonal() * j * moved,
+                           d = j.col(row).transpose() * control.tip->damping.asDiagonal() * j * moved;
+  Eigen::RowVectorXd norms(moved.cols());
+  for (Eigen::Index e = 0; e < norms.size(); ++e) norms[e] = control.tip->velocity_sums.l1(k[e], d[e]);
+  return norms;
+}
+
+/// Of errors within their half widths, means aside.
+std::vector<TorqueReport> torque_reports(const Spec& spec, const Eigen::MatrixXd& configurations) {
+  const Control& control = *spec.model.control;
+  const Transmission& t = spec.model.transmission;
+  const auto& joints = spec.model.chain.independent;
+  std::vector<IndependentError> errors = independent_errors(spec.model);
+  std::erase_if(errors, [](const auto& e) { return e.where == IndependentError::Where::origin; });
+  Eigen::MatrixXd moved(static_cast<Eigen::Index>(joints.size()), static_cast<Eigen::Index>(errors.size()));
+  for (Eigen::Index e = 0; e < moved.cols(); ++e)
+    moved.col(e) = moved_joints(t, errors[static_cast<std::size_t>(e)]);
+  std::vector<ResponseSums> sums(joints.size());
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (control.joints[j].kd > 0) sums[j] = response_sums(control.joints[j].velocity_filter);
+  std::vector<TorqueReport> all;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!control.tip && !control.joints[j].acts()) continue;
+    TorqueReport r{j, 0, {}, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints.size()))};
+    const Eigen::Index count = control.tip ? configurations.cols() : 1;
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const Eigen::RowVectorXd norms = torque_norms(spec, j, configurations.col(c), moved, sums);
+      Eigen::VectorXd parts = Eigen::VectorXd::Zero(r.share.size());
+      for (Eigen::Index e = 0; e < norms.size(); ++e) {
+        const IndependentError& error = errors[static_cast<std::size_t>(e)];
+        parts[static_cast<Eigen::Index>(error.owner)] += std::abs(norms[e]) * error.half_width;
+      }
+      if (!(parts.sum() > 0)) continue;
+      r.worst_case = std::max(r.worst_case, parts.sum());
+      r.share += parts / parts.sum() / static_cast<double>(count);
+    }
+    if (const auto& limit = joints[j].effort_limit; limit && *limit > 0) r.relative = r.worst_case / *limit;
+    all.push_back(std::move(r));
+  }
+  return all;
+}
+
 std::vector<GainReport> gain_reports(const Spec& spec) {
   std::vector<GainReport> gains;
   for (const Requirement& r : spec.requirements) {
@@ -190,6 +242,7 @@ ControlReport control_report(const Spec& spec) {
   std::vector<std::size_t> joints;
   for (std::size_t j = 0; j < control.joints.size(); ++j)
     if (has_loop(control, spec.model.chain, j)) joints.push_back(j);
+  report.torques = torque_reports(spec, configurations);
   report.loops.resize(joints.size());
   parallel_for(joints.size(), 0,
                [&](std::size_t i) { report.loops[i] = loop_report(spec, joints[i], configurations); });
@@ -344,8 +397,34 @@ std::string gain_lines(const Spec& spec, const ControlReport& report, const Styl
 
 }  // namespace
 
+namespace {
+
+std::string torque_table(const Spec& spec, const ControlReport& report, const Style& style) {
+  const auto& joints = spec.model.chain.independent;
+  const bool limited = std::any_of(report.torques.begin(), report.torques.end(),
+                                   [](const TorqueReport& t) { return t.relative.has_value(); });
+  std::vector<std::vector<std::string>> rows{{"", "worst case"}};
+  if (limited) rows[0].emplace_back("of the effort limit");
+  rows[0].emplace_back("encoders' parts of it");
+  for (const TorqueReport& t : report.torques) {
+    std::string parts;
+    for (Eigen::Index e = 0; e < t.share.size(); ++e)
+      if (constexpr double shown_from = 0.005; t.share[e] >= shown_from)
+        parts += (parts.empty() ? "" : ", ") + shown(joints[static_cast<std::size_t>(e)].name) + ' ' +
+                 percent(t.share[e]);
+    rows.push_back(
+        {shown(joints[t.joint].name), readable(t.worst_case, joints[t.joint].prismatic() ? "N" : "N m")});
+    if (limited) rows.back().push_back(t.relative ? significant(100 * *t.relative, 3) + " %" : "-");
+    rows.back().push_back(parts);
+  }
+  return heading("Torques due to errors, the loops open", style) + fitted_table(rows, style.width);
+}
+
+}  // namespace
+
 std::string control_tables(const Spec& spec, const ControlReport& report, const Style& style) {
-  return (report.loops.empty() ? "" : loop_table(spec, report, style)) + gain_lines(spec, report, style) +
+  return (report.torques.empty() ? "" : torque_table(spec, report, style)) +
+         (report.loops.empty() ? "" : loop_table(spec, report, style)) + gain_lines(spec, report, style) +
          (report.walls.empty() ? "" : wall_table(spec, report, style));
 }
 

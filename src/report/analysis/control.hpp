@@ -37,12 +37,24 @@ struct GainReport {
   std::string quantity;  ///< the requirement that limits it
 };
 
+/// What the errors make of a joint's torque, the loop open.
+struct TorqueReport {
+  std::size_t joint = 0;
+  double worst_case = 0;           ///< largest over the configurations [N m or N]
+  std::optional<double> relative;  ///< to the URDF's effort limit
+  Eigen::VectorXd share;           ///< [encoder]: part of the worst case, averaged over the configurations
+};
+
 /// Loops of all joints whose inertia is known, and all walls for which everything is stated.
 struct ControlReport {
+  std::vector<TorqueReport> torques;  ///< of joints with a controller
   std::vector<LoopReport> loops;
   std::vector<WallReport> walls;
   std::vector<GainReport> gains;  ///< of joints with a requirement on their torque
 };
+
+/// Of a spec with more, loops and walls are evaluated at the first ones.
+inline constexpr std::uint64_t configurations_of_control = 10'000;
 
 /// Over the configurations of the spec, of more than 10000 the first.
 ControlReport control_report(const Spec&);

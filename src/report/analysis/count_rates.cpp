@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -46,6 +47,27 @@ std::optional<CountLimit> count_limit(const Spec& spec, std::size_t encoder) {
 double count_rate(const Spec& spec, std::size_t encoder, double speed) {
   const double shaft = std::abs(spec.model.transmission.encoders[encoder].shaft_ratio) * speed;
   return shaft / (2 * std::numbers::pi) * spec.encoder_figures[encoder].counts_per_rev;
+}
+
+std::optional<double> largest_speed(const Spec& spec, std::size_t encoder) {
+  const std::optional<CountLimit> limit = count_limit(spec, encoder);
+  return limit ? std::optional(limit->rate / count_rate(spec, encoder, 1)) : std::nullopt;
+}
+
+std::string count_rate_table(const Spec& spec, const Style& style) {
+  std::vector<std::vector<std::string>> rows{
+      {"encoder", "largest speed", "count rate", "highest count rate", "followed up to", "limit"}};
+  const EncoderSpeeds speeds = encoder_speeds(spec);
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const std::optional<CountLimit> limit = count_limit(spec, i);
+    if (!limit) continue;
+    const std::string unit = spec.model.chain.independent[i].prismatic() ? "m/s" : "rad/s";
+    rows.push_back({shortened(joint_name(spec, i), 22), speeds[i] ? readable(*speeds[i], unit) : "not known",
+                    speeds[i] ? per_second(count_rate(spec, i, *speeds[i])) : "not known",
+                    per_second(limit->rate), readable(*largest_speed(spec, i), unit), limit->what});
+  }
+  if (rows.size() == 1) return "";
+  return heading("Counters: can they follow the joints?", style) + fitted_table(rows, style.width);
 }
 
 std::string count_rate_text(const Spec& spec, std::size_t encoder, double speed) {

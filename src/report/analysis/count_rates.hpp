@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "qerr/input/spec.hpp"
+#include "qerr/report/write.hpp"
 
 namespace qerr {
 
@@ -25,6 +26,12 @@ std::optional<CountLimit> count_limit(const Spec&, std::size_t encoder);
 
 /// |gear ratio| counts_per_rev speed/(2 pi) [counts/s].
 double count_rate(const Spec&, std::size_t encoder, double speed);
+
+/// The largest speed at which the encoder's counter can follow [rad/s or m/s]; empty: no limit is stated.
+std::optional<double> largest_speed(const Spec&, std::size_t encoder);
+
+/// A row for each encoder whose count rate is limited: its speed, its rate, their limits; "" if none is.
+std::string count_rate_table(const Spec&, const Style&);
 
 /// `120000 counts/s at 3.00 rad/s (the URDF's limit), at most 100000: its max_count_rate`.
 /// @pre there is a limit

@@ -1,3 +1,4 @@
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
@@ -13,6 +14,26 @@ std::vector<const StatisticKind*> all_statistics() {
   for (const StatisticKind& kind : statistic_kinds()) all.push_back(&kind);
   return all;
 }
+
+namespace {
+
+/// Rates of counters whose limit is stated, beside their limits [counts/s].
+std::string count_rate_rows(const Spec& spec, const std::string& before) {
+  std::string out;
+  std::optional<EncoderSpeeds> speeds;
+  for (std::size_t i = 0; i < spec.encoder_figures.size(); ++i) {
+    const std::optional<CountLimit> limit = count_limit(spec, i);
+    if (!limit) continue;
+    if (!speeds) speeds = encoder_speeds(spec);
+    const std::string row = before + "counter,," + csv_cell(spec.model.chain.independent[i].name) + ",1/s,";
+    if ((*speeds)[i])
+      out += row + "count_rate,max," + csv_number(count_rate(spec, i, *(*speeds)[i])) + "\r\n";
+    out += row + "max_count_rate,max," + csv_number(limit->rate) + "\r\n";
+  }
+  return out;
+}
+
+}  // namespace
 
 std::string analysis_csv_rows(const Analysis& a, const std::string& before,
                               const std::vector<const StatisticKind*>& statistics) {
@@ -35,6 +56,7 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
       out += before + "budget,," + csv_cell(a.spec.model.chain.independent[i].name) + ",,share,mean," +
              csv_number(budget[i]) + "\r\n";
   }
+  out += count_rate_rows(a.spec, before);
   return out;
 }
 

@@ -129,7 +129,10 @@ auto of_margins(Member LoopMargins::*member) {
   };
 }
 
+using ReportedTorque = In<TorqueReport, Analysis>;
+
 struct ReportedControl {
+  std::vector<ReportedTorque> torques;
   std::vector<ReportedLoop> loops;
   std::vector<ReportedWall> walls;
   std::vector<ReportedGain> gains;
@@ -137,8 +140,8 @@ struct ReportedControl {
 
 std::optional<ReportedControl> control(const Analysis& a) {
   if (!a.control) return std::nullopt;
-  return ReportedControl{items_of(a.control->loops, a), items_of(a.control->walls, a),
-                         items_of(a.control->gains, a)};
+  return ReportedControl{items_of(a.control->torques, a), items_of(a.control->loops, a),
+                         items_of(a.control->walls, a), items_of(a.control->gains, a)};
 }
 
 using ReportedEffect = In<EffectShare, Analysis>;
@@ -198,7 +201,9 @@ RowsOf<AnalyzedJoint> rows(Of<AnalyzedJoint>) {
           {"accuracy", encoder(&Encoder::accuracy), "of the encoder, at the joint side", optional},
           {"gear_accuracy", encoder(&Encoder::gear_accuracy), "at the joint", optional},
           {"count_rate", rate, "counts/s; where a limit is stated", optional},
-          {"max_count_rate", most_rate, "counts/s", optional}};
+          {"max_count_rate", most_rate, "counts/s", optional},
+          {"max_speed", [](auto& j) { return largest_speed(j.whole.spec, j.i); },
+           "at which the counter can follow [rad/s or m/s]", optional}};
 }
 
 RowsOf<Position> rows(Of<Position>) {
@@ -296,8 +301,18 @@ RowsOf<ReportedGain> rows(Of<ReportedGain>) {
           {"quantity", &GainReport::quantity, "the requirement that limits it"}};
 }
 
+RowsOf<ReportedTorque> rows(Of<ReportedTorque>) {
+  return {
+      {"joint", [](auto& t) { return joint_name(t.whole, t->joint); }},
+      {"worst_case", &TorqueReport::worst_case, "loop open, means aside, largest [N m or N]"},
+      {"of_effort_limit", &TorqueReport::relative, "worst_case over the URDF's limit; null: none is stated"},
+      {"share", [](auto& t) { return by_joint(t.whole.spec, t->share); },
+       "of each encoder in the worst case, averaged over the configurations"}};
+}
+
 RowsOf<ReportedControl> rows(Of<ReportedControl>) {
-  return {{"loops", &ReportedControl::loops, "of joints whose inertia is known"},
+  return {{"torques", &ReportedControl::torques, "of joints with a controller"},
+          {"loops", &ReportedControl::loops, "of joints whose inertia is known"},
           {"walls", &ReportedControl::walls},
           {"gains", &ReportedControl::gains, "of joints with a requirement on their torque"}};
 }

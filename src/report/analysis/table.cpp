@@ -2,6 +2,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/control.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/proofs.hpp"
 #include "report/analysis/tables.hpp"
@@ -60,7 +61,7 @@ std::string to_table(const Analysis& a, const Style& style) {
                               : "Encoders: error at the joint, share of the tip's variance, first to upgrade",
              style) +
          encoder_table(a, style);
-  out += accuracy_table(a, style);
+  out += accuracy_table(a, style) + count_rate_table(a.spec, style);
   if (!a.effects.empty())
     out +=
         heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);

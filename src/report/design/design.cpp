@@ -167,8 +167,9 @@ class DesignJob {
     d.encoders = encoders_of(found.choice);
     std::tie(d.price, d.bits) = costs(found);
     d.filters = solver_->set(found).designed;
+    d.gains = solver_->set(found).gains;
     for (DesignedFilter& f : d.filters) compare_with_best(f);
-    d.results = problem_->results(found.choice, solver_->set(found).filters);
+    d.results = problem_->results(found.choice, solver_->set(found));
     if (goal_) d.minimized = d.results[*goal_].value;
     d.results.resize(stated_);
     for (const SpecChange& change : changes(found))
@@ -179,6 +180,8 @@ class DesignJob {
   std::vector<SpecChange> changes(const FoundDesign& found) const {
     std::vector<SpecChange> all = problem_->changes(found.choice);
     for (const DesignedFilter& f : solver_->set(found).designed) all.push_back(lowpass_change(f));
+    for (const DesignedGain& g : solver_->set(found).gains)
+      all.emplace_back("control.joints." + g.joint + '.' + g.key, scalar_node(shortest(g.value)));
     return all;
   }
 
@@ -205,7 +208,7 @@ class DesignJob {
         problem_->base().requirements.begin(), problem_->base().requirements.end(),
         [](const Requirement& r) { return r.limits_error() && r.filter >= 0 && r.bound == Bound::sigma; });
     if (!asked) return;
-    const Spec spec = problem_->variant(found.choice, solver_->set(found).filters);
+    const Spec spec = problem_->variant(found.choice, solver_->set(found));
     const std::string text = slow_error_assumption(spec, effect_report(spec).shares);
     if (!text.empty()) report_.warnings.push_back(text);
   }
@@ -247,6 +250,16 @@ class DesignJob {
       const Requirement& r = requirement(i);
       bool proven = true;
       double value = 0;
+      if (r.of_control) {
+        DesignQuery query = without_limits();
+        query.limits[i] = r.limit;
+        const DesignFindings found = solver_->find(query);
+        if (!found.best.empty() || !found.proven) continue;
+        any = true;
+        report_.obstacles.push_back(r.name() + (r.at_least ? " of at least " : " of at most ") +
+                                    readable(r.limit, r.unit) + " is met by no choice");
+        continue;
+      }
       if (r.figure) {
         value = best_of_filters(r);
       } else if (r.limits_error()) {
@@ -312,7 +325,8 @@ class DesignJob {
                                       [&](double w) { return w != c.weights.front(); });
         });
       });
-      if (!varies && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
+      const bool of_loop = requirement(i).of_control && request_.filters.size() + request_.gains.size() > 0;
+      if (!varies && !of_loop && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
         report_.without_influence.push_back(i);
     }
   }

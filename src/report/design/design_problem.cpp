@@ -7,6 +7,7 @@
 
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
+#include "input/read_sections.hpp"
 #include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
@@ -52,16 +53,19 @@ void add_fault(Fault fault, const std::string& option, std::vector<Fault>& to) {
 
 }  // namespace
 
+Spec FilterSet::applied(Spec spec) const {
+  spec.filters = filters;
+  if (control) spec.model.control = control;
+  return spec;
+}
+
 DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& request,
                              const std::vector<Node>& more, const WorkspaceOptions& workspace)
     : variants_(variants), workspace_(workspace) {
   if (!more.empty()) common_.emplace_back("requirements", with_requirements(variants, more));
   base_ = variant_of({}, {});
   for (const Requirement& r : base_.requirements) {
-    if (r.of_control || (r.limits_error() && is_closed(all_signals(base_.model)[r.signal])))
-      throw Error(Fault{r.place, "requirements", "a figure of a closed loop or a wall is not chosen for",
-                        quoted(r.name()),
-                        "vary what it depends on in `sweep:`, or leave it to `qerr check`"});
+    if (r.of_control) require_limit_of_control(r, base_);
     if (!r.limits_error()) continue;
     needs_motion_noise_ = needs_motion_noise_ || r.bound == Bound::sigma_in_motion;
     any_proven_ = any_proven_ || r.statistic == "proven_max";
@@ -185,16 +189,13 @@ std::vector<Node> DesignProblem::effects(const OptionChoice& choice) const {
   return all;
 }
 
-Spec DesignProblem::variant(const OptionChoice& choice, const std::vector<NamedFilter>& filters) const {
-  Spec spec = variant_of(changes(choice), effects(choice));
-  spec.filters = filters;
-  return spec;
+Spec DesignProblem::variant(const OptionChoice& choice, const FilterSet& set) const {
+  return set.applied(variant_of(changes(choice), effects(choice)));
 }
 
-std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice,
-                                                      const std::vector<NamedFilter>& filters,
+std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice, const FilterSet& set,
                                                       const std::vector<double>* limits) const {
-  Spec spec = variant(choice, filters);
+  Spec spec = variant(choice, set);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
     if (spec.requirements[i].limits_error()) spec.requirements[i].limit = (*limits)[i];
   if (any_proven_) return evaluate(spec, workspace_, {.verdicts_only = limits != nullptr}).results;
@@ -204,10 +205,12 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
   add_effects(effect_report(spec), spec);
   const std::vector<Norms> norms = filter_norms(spec);
   const Workspace sampled = workspace_with_quantization(spec.model, norms, spec.configurations, options);
+  const ControlReport control = any_of_control(spec) ? control_report(spec) : ControlReport{};
   std::vector<RequirementResult> all;
   for (const Requirement& r : spec.requirements)
-    all.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, spec, speeds_))
-                                 : evaluate(r, sampled, designed_filters(spec), norms));
+    all.push_back(r.of_control     ? evaluate(r, control_value(r, spec, control))
+                  : r.counter >= 0 ? evaluate(r, required_count_rate(r, spec, speeds_))
+                                   : evaluate(r, sampled, designed_filters(spec), norms));
   return all;
 }
 
@@ -294,8 +297,38 @@ ChoiceCut DesignProblem::cut_at(const Eigen::VectorXd& q, std::size_t figure, co
   return cut_at_configuration(there, figure, shape, weights_of(there, choice), 0);
 }
 
-ChoiceProblem DesignProblem::problem(const std::vector<NamedFilter>& filters) {
-  const auto weights = std::make_shared<const OptionWeights>(weights_with(filters));
+bool DesignProblem::of_loops(const Requirement& r) const {
+  return r.of_control || (r.limits_error() && is_closed(all_signals(base_.model)[r.signal]));
+}
+
+/// Those of a set of filters, which the figures of its problem borrow; null where no requirement needs them.
+ControlSums* DesignProblem::control_sums(const FilterSet& set) {
+  const auto figures = std::count_if(base_.requirements.begin(), base_.requirements.end(),
+                                     [&](const Requirement& r) { return of_loops(r); });
+  if (figures == 0) return nullptr;
+  kept_numbers_ +=
+      static_cast<double>(figures) * static_cast<double>(columns_->configurations() * options_.size());
+  if (kept_numbers_ > most_numbers)
+    throw Error(
+        Fault{{base_.file, 1, 1},
+              "configurations.count",
+              "a choice for loops keeps norms at all configurations in memory, for each set of filters",
+              "more than 4 GB",
+              "choose fewer configurations, such as 1000, or fewer filters"});
+  std::vector<std::vector<double>> resolutions;
+  for (std::size_t j = 0; j < options_.size(); ++j) {
+    auto& of_joint = resolutions.emplace_back();
+    for (std::size_t o = 0; o < options_[j].size(); ++o)
+      of_joint.push_back((chosen(j) ? variant_by(j, o) : base_).model.transmission.encoders[j].resolution);
+  }
+  return control_
+      .emplace_back(std::make_unique<ControlSums>(set.applied(base_), columns_->configurations(),
+                                                  std::move(resolutions)))
+      .get();
+}
+
+ChoiceProblem DesignProblem::problem(const FilterSet& set) {
+  const auto weights = std::make_shared<const OptionWeights>(weights_with(set.filters));
   ChoiceProblem problem;
   problem.configurations = columns_->configurations();
   OptionChoice middle;
@@ -305,11 +338,12 @@ ChoiceProblem DesignProblem::problem(const std::vector<NamedFilter>& filters) {
     middle.push_back(options.size() / 2);
   }
   const ChoiceProblem shape{problem.prices, 1, {}, {}};
+  ControlSums* const control = control_sums(set);
   for (const Requirement& r : base_.requirements)
-    problem.figures.push_back(sums_->figure(r, *weights, middle));
-  problem.judge = [this, filters, weights, shape](const OptionChoice& choice,
-                                                  const std::vector<double>& limits) {
-    const std::vector<RequirementResult> all = results(choice, filters, &limits);
+    problem.figures.push_back(of_loops(r) ? control->figure(r, *weights)
+                                          : sums_->figure(r, *weights, middle));
+  problem.judge = [this, set, weights, shape](const OptionChoice& choice, const std::vector<double>& limits) {
+    const std::vector<RequirementResult> all = results(choice, set, &limits);
     // A proof takes some tenths of a second: fewer multiply-adds, so that a search has some hundreds of them.
     constexpr double work_of_proof = 5e7;
     const double sampled = 10 * static_cast<double>(columns_->configurations() * choice.size());

@@ -7,7 +7,7 @@
 #include "input/spec_variants.hpp"
 #include "qerr/report/design_report.hpp"
 #include "report/analysis/count_rates.hpp"
-#include "report/design/figure_sums.hpp"
+#include "report/design/control_sums.hpp"
 
 namespace qerr {
 
@@ -18,6 +18,18 @@ struct PricedOption {
   std::optional<double> price = 0.0;              ///< as in DesignedEncoder
   double bits = 0;
   std::int64_t cost = 0;  ///< what the search minimizes: millionths of the price, or of the bits
+};
+
+/// One choice for each filter and gain of the spec.
+struct FilterSet {
+  std::vector<NamedFilter> filters;
+  std::vector<DesignedFilter> designed = {};  ///< those that are chosen
+  std::vector<DesignedGain> gains = {};       ///< the same of gains
+  std::shared_ptr<const Control> control =
+      nullptr;  ///< with these filters and gains; null: the spec has none
+
+  /// A spec with these filters and gains.
+  Spec applied(Spec) const;
 };
 
 /// The choice of encoders of a spec as a ChoiceProblem, for any filters.
@@ -54,16 +66,16 @@ class DesignProblem {
   }
 
   /// The problem with these filters in place of the spec's. It borrows the columns of this object.
-  ChoiceProblem problem(const std::vector<NamedFilter>& filters);
+  ChoiceProblem problem(const FilterSet&);
 
   /// The spec with a choice.
-  Spec variant(const OptionChoice&, const std::vector<NamedFilter>& filters) const;
+  Spec variant(const OptionChoice&, const FilterSet&) const;
   std::vector<SpecChange> changes(const OptionChoice&) const;
   std::vector<Node> effects(const OptionChoice&) const;
 
   /// The requirements with a choice, as `check` evaluates them.
   /// @param limits  in place of those of the requirements; may be null
-  std::vector<RequirementResult> results(const OptionChoice&, const std::vector<NamedFilter>& filters,
+  std::vector<RequirementResult> results(const OptionChoice&, const FilterSet&,
                                          const std::vector<double>* limits = nullptr) const;
 
  private:
@@ -77,6 +89,8 @@ class DesignProblem {
   SpecChange change(std::size_t joint, std::size_t option) const;
   std::vector<Node> effects_of(std::size_t joint, std::size_t option) const;
   void make_columns();
+  bool of_loops(const Requirement&) const;
+  ControlSums* control_sums(const FilterSet&);
   OptionWeights weights_with(const std::vector<NamedFilter>&) const;
   ChoiceCut cut_at(const Eigen::VectorXd& q, std::size_t figure, const OptionWeights&, const OptionChoice&,
                    const ChoiceProblem& shape) const;
@@ -94,6 +108,8 @@ class DesignProblem {
   std::vector<IndependentError> sources_;  // places of all options' error sources
   std::unique_ptr<ErrorColumns> columns_;
   std::unique_ptr<FigureSums> sums_;
+  std::vector<std::unique_ptr<ControlSums>> control_;  // one for each set of filters
+  double kept_numbers_ = 0;                            // in it
 };
 
 }  // namespace qerr

@@ -20,7 +20,7 @@ DesignSolver::DesignSolver(DesignProblem& problem, std::vector<FilterSet> sets, 
 
 DesignSolver::Searched& DesignSolver::searched(std::size_t set) {
   if (!searched_[set]) {
-    searched_[set] = std::make_unique<Searched>(Searched{problem_.problem(sets_[set].filters), nullptr});
+    searched_[set] = std::make_unique<Searched>(Searched{problem_.problem(sets_[set]), nullptr});
     searched_[set]->search = std::make_unique<EncoderSearch>(searched_[set]->problem);
   }
   return *searched_[set];
@@ -46,7 +46,10 @@ DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) 
   request.limits = query.limits;
   const auto& requirements = problem_.base().requirements;
   for (std::size_t i = 0; i < requirements.size(); ++i)
-    if (!requirements[i].limits_error()) request.limits[i] = std::numeric_limits<double>::infinity();
+    if (requirements[i].of_control)
+      request.limits[i] = ratio_limit(requirements[i], request.limits[i]);
+    else if (!requirements[i].limits_error())
+      request.limits[i] = std::numeric_limits<double>::infinity();
   request.most = query.most;
   request.wanted = query.wanted;
   request.work = query.work;
@@ -93,7 +96,7 @@ double DesignSolver::largest(const FoundDesign& d, const std::vector<DesignGoal>
   const std::vector<double> none(all.size(), std::numeric_limits<double>::infinity());
   const bool proof =
       std::any_of(goals.begin(), goals.end(), [&](const DesignGoal& g) { return all[g.requirement].proven; });
-  const auto results = problem_.results(d.choice, sets_[d.set].filters, proof ? nullptr : &none);
+  const auto results = problem_.results(d.choice, sets_[d.set], proof ? nullptr : &none);
   double most = 0;
   for (const DesignGoal& g : goals) most = std::max(most, results[g.requirement].value / g.scale);
   return most;

@@ -4,12 +4,6 @@
 
 namespace qerr {
 
-/// One choice for each filter of the spec.
-struct FilterSet {
-  std::vector<NamedFilter> filters;
-  std::vector<DesignedFilter> designed;  ///< those that are chosen
-};
-
 /// A choice of encoders behind one of the filter sets.
 struct FoundDesign {
   std::int64_t cost = 0;

@@ -5,10 +5,12 @@
 #include <limits>
 
 #include "control/loop.hpp"
+#include "control/loop_response.hpp"
 #include "core/text.hpp"
 #include "design/quietest_fir.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/filter/quality.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
 
 namespace qerr {
@@ -113,9 +115,51 @@ void add_torques(const Spec& spec, const std::string& velocity, ComparedFilter& 
   }
 }
 
+/// Numbers that no other candidate equals, so that none excludes it.
+void keep_apart(ComparedFilter& c) {
+  c.criteria.insert(c.criteria.end(),
+                    {c.candidate.cutoff, -c.candidate.cutoff, c.candidate.h2, -c.candidate.h2});
+}
+
+/// Adds what the loops whose velocity the filter estimates make of it, where they are in the requirements; a
+/// number of its own where that is not known at all configurations, so that no other candidate excludes it.
+void add_loops(const Spec& spec, const NamedFilter& stated, ComparedFilter& c) {
+  if (!spec.model.control) return;
+  const auto& signals = all_signals(spec.model);
+  const bool closed =
+      std::any_of(spec.requirements.begin(), spec.requirements.end(),
+                  [&](const Requirement& r) { return r.limits_error() && is_closed(signals[r.signal]); });
+  if (!closed && !any_of_control(spec)) return;
+  std::vector<NamedFilter> filters = spec.filters;
+  for (NamedFilter& f : filters)
+    if (f.name == stated.name) f.filter = c.candidate.filter;
+  Spec with = spec;
+  with.model.control = with_velocity_filters(spec.model.control, filters);
+  const Control& control = *with.model.control;
+  bool known = !(closed && control.tip) && with.model.transmission.coupling.is_identity();
+  for (std::size_t j = 0; j < control.joints.size() && closed; ++j) {
+    if (control.joints[j].velocity != stated.name || !has_loop(control, with.model.chain, j)) continue;
+    known = known && control.joints[j].inertia;
+    if (!known) break;
+    const auto loop = qerr::closed(loop_of(control, j, *control.joints[j].inertia));
+    for (const auto part : {&ClosedLoop::motion, &ClosedLoop::torque}) {
+      const Norms n = loop ? norms((*loop).*part) : Norms{1e300, 0, {0, 1e300}, 0};
+      c.criteria.insert(c.criteria.end(), {n.h2, n.l1.upper, std::abs(n.dc_gain)});
+    }
+  }
+  if (closed && !known) keep_apart(c);
+  if (!any_of_control(spec)) return;
+  const ControlReport report = control_report(with);
+  for (const Requirement& r : with.requirements) {
+    if (!r.of_control) continue;
+    const double value = control_value(r, with, report);
+    c.criteria.push_back(std::isnan(value) ? 1e300 : r.at_least ? -value : value);
+  }
+}
+
 std::vector<ComparedFilter> candidates_of(const DesignProblem& problem, const FilterOptions& options,
                                           const std::vector<double>& limits, std::optional<std::size_t> goal,
-                                          bool within_families, std::vector<std::string>& obstacles) {
+                                          const DesignRequest& request, std::vector<std::string>& obstacles) {
   const Spec& spec = problem.base();
   const NamedFilter& stated = spec.filters[options.filter];
   const FilterNeeds needs = needs_of(spec, options.filter, goal);
@@ -150,11 +194,16 @@ std::vector<ComparedFilter> candidates_of(const DesignProblem& problem, const Fi
       if (!value) continue;
       compared.criteria.push_back(*value);
     }
-    add_torques(spec, stated.name, compared);
+    if (request.gains.empty()) {
+      add_torques(spec, stated.name, compared);
+      add_loops(spec, stated, compared);
+    } else {
+      keep_apart(compared);  // a filter that is better with one gain may not be with another
+    }
     all.push_back(std::move(compared));
   }
   if (needs.sigma) add_ratios(problem, all);
-  all = undominated(std::move(all), within_families);
+  all = undominated(std::move(all), request.encoders.empty());
   for (ComparedFilter& c : all) c.norms = norms(c.candidate.filter);
   if (all.empty()) obstacles.push_back(obstacle_of(stated, options.range, scan));
   return all;
@@ -166,19 +215,40 @@ double log_noise(const FilterSet& set) {
   return sum;
 }
 
+void require_few(std::size_t sets, const Place& place, const std::string& key) {
+  if (sets > most_sets)
+    throw Error(Fault{place, key,
+                      "gives more than 2000 combinations of filters and gains that none excels in all",
+                      counted(sets, "combination"), "narrow families, orders, cut-offs or gains"});
+}
+
+/// All sets with each value of a gain.
+void vary_gains(std::vector<FilterSet>& sets, const GainOptions& options, const Spec& spec) {
+  require_few(sets.size() * options.values.size(), options.place, "design.gains");
+  std::vector<FilterSet> all;
+  for (const FilterSet& set : sets)
+    for (const double value : options.values) {
+      FilterSet& added = all.emplace_back(set);
+      Control control = *set.control;
+      for (const std::size_t j : options.joints) {
+        (options.key == "kp" ? control.joints[j].kp : control.joints[j].kd) = value;
+        added.gains.push_back({spec.model.chain.independent[j].name, options.key, value});
+      }
+      added.control = with_velocity_filters(std::make_shared<const Control>(control), added.filters);
+      update_controllers(*added.control, added.filters);
+    }
+  sets = std::move(all);
+}
+
 }  // namespace
 
 FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& request,
                        const std::vector<double>& limits, std::optional<std::size_t> goal) {
-  FilterSets result{{{problem.base().filters, {}}}, {}};
+  FilterSets result{{{problem.base().filters, {}, {}, problem.base().model.control}}, {}};
   for (const FilterOptions& options : request.filters) {
     const std::vector<ComparedFilter> candidates =
-        candidates_of(problem, options, limits, goal, request.encoders.empty(), result.obstacles);
-    if (result.sets.size() * candidates.size() > most_sets)
-      throw Error(Fault{options.place, "design.filters",
-                        "gives more than 2000 combinations of filters that none excels in all",
-                        counted(result.sets.size() * candidates.size(), "combination"),
-                        "narrow families, orders or cut-offs"});
+        candidates_of(problem, options, limits, goal, request, result.obstacles);
+    require_few(result.sets.size() * candidates.size(), options.place, "design.filters");
     std::vector<FilterSet> all;
     for (const FilterSet& set : result.sets)
       for (const ComparedFilter& c : candidates) {
@@ -187,8 +257,8 @@ FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& reques
         filter.filter = c.candidate.filter;
         filter.norms = c.norms;
         filter.designed = nullptr;  // describes the filter that is replaced
-        if (const auto control = with_velocity_filters(problem.base().model.control, added.filters))
-          update_controllers(*control, added.filters);
+        added.control = with_velocity_filters(problem.base().model.control, added.filters);
+        if (added.control) update_controllers(*added.control, added.filters);
         added.designed.push_back({filter.name,
                                   c.candidate.family,
                                   c.candidate.order,
@@ -203,6 +273,7 @@ FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& reques
   }
   std::stable_sort(result.sets.begin(), result.sets.end(),
                    [](const FilterSet& a, const FilterSet& b) { return log_noise(a) < log_noise(b); });
+  for (const GainOptions& options : request.gains) vary_gains(result.sets, options, problem.base());
   return result;
 }
 

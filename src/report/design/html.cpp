@@ -37,6 +37,7 @@ std::string filter_paragraphs(const Design& d) {
 
 std::string chosen_section(const DesignReport& r, const Design& d) {
   std::string out = encoder_table(r, d) + filter_paragraphs(d);
+  for (const std::string& text : gain_sentences(r, d)) out += paragraph(text);
   if (!d.encoders.empty())
     out += paragraph("Together " + (d.price ? priced(d.price, r.price_unit) + ", " : "") + bits_text(d.bits) +
                      '.');

@@ -1,3 +1,6 @@
+#include <map>
+#include <string>
+
 #include "qerr/report/design_report.hpp"
 #include "report/analysis/json_header.hpp"
 #include "report/csv_text.hpp"
@@ -23,6 +26,7 @@ std::string rows_of(const DesignReport& report, const std::string& name, const s
     out += row(name, "filter.order", f.name, std::to_string(f.order), "");
     out += row(name, "filter.cutoff", f.name, csv_number(f.cutoff), "Hz");
   }
+  for (const DesignedGain& g : d->gains) out += row(name, g.key, g.joint, csv_number(g.value), "");
   for (std::size_t i = 0; i < d->results.size(); ++i)
     out += row(name, "requirement", report.spec.requirements[i].name(), csv_number(d->results[i].value),
                report.spec.requirements[i].unit);
@@ -57,6 +61,12 @@ using ReportedRequirement = In<RequirementResult, ReportedDesign>;
 using Best = DesignedFilter::BestLinear;
 
 /// The name of the option by joint.
+std::map<std::string, std::map<std::string, double>> gains_by_joint(const Design& d) {
+  std::map<std::string, std::map<std::string, double>> all;
+  for (const DesignedGain& g : d.gains) all[g.joint][g.key] = g.value;
+  return all;
+}
+
 auto option_names(const std::vector<DesignedEncoder>& encoders) {
   return by_name(encoders, &DesignedEncoder::joint, &DesignedEncoder::name);
 }
@@ -99,6 +109,7 @@ RowsOf<ReportedDesign> rows(Of<ReportedDesign>) {
           {"encoders", [](auto& d) { return option_names(d->encoders); }, "name of the option by joint"},
           {"filters", [](auto& d) { return by_name(d->filters, &DesignedFilter::name, std::identity()); },
            "by name"},
+          {"gains", [](auto& d) { return gains_by_joint(*d); }, "by joint: kp, kd [SI]", optional},
           {"requirements", within(&Design::results)},
           {"set", &Design::changes_by_set,
            "KEY=VALUE for --set: encoders and filters of the choice; effects of catalogue rows are only in "

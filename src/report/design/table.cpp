@@ -31,6 +31,27 @@ std::string filter_sentence(const DesignedFilter& f) {
   return text;
 }
 
+std::vector<std::string> gain_sentences(const DesignReport& report, const Design& d) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> joints_by_gain;
+  for (const DesignedGain& g : d.gains) {
+    const auto& joints = report.spec.model.chain.independent;
+    const bool prismatic = std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& j) {
+      return j.name == g.joint && j.prismatic();
+    });
+    const std::string text = g.key + ' ' + significant(g.value, 4) + (prismatic ? " N" : " N m") +
+                             (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
+    const auto known = std::find_if(joints_by_gain.begin(), joints_by_gain.end(),
+                                    [&](const auto& entry) { return entry.first == text; });
+    if (known == joints_by_gain.end())
+      joints_by_gain.push_back({text, {shown(g.joint)}});
+    else
+      known->second.push_back(shown(g.joint));
+  }
+  std::vector<std::string> all;
+  for (const auto& [text, joints] : joints_by_gain) all.push_back(text + " of " + listed(joints));
+  return all;
+}
+
 std::string best_linear_sentence(const DesignedFilter& f) {
   if (!f.best_linear) return "";
   const auto& b = *f.best_linear;
@@ -106,6 +127,7 @@ std::string choices(const DesignReport& report, const Design& d, const Style& st
     const std::string best = best_linear_sentence(f);
     if (!best.empty()) out += wrapped(best, style.width, "    ");
   }
+  for (const std::string& text : gain_sentences(report, d)) out += wrapped(text, style.width, "  ");
   return out;
 }
 

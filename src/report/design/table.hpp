@@ -20,6 +20,9 @@ std::string cost_of(const DesignReport&, std::optional<double> price, double bit
 /// Family, order, cut-off, noise, delay and tracking error.
 std::string filter_sentence(const DesignedFilter&);
 
+/// `kp 400 N m/rad of a1 and a2`; empty without gains.
+std::vector<std::string> gain_sentences(const DesignReport&, const Design&);
+
 /// How far the filter is from the quietest one of its tracking error; "" where that is not known.
 std::string best_linear_sentence(const DesignedFilter&);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/text.hpp"
 #include "filter/norms/transient.hpp"
@@ -105,6 +106,14 @@ double rate_of(const Spec& spec) {
   return (derivative == spec.filters.end() ? spec.filters.front() : *derivative).filter.sample_rate;
 }
 
+/// The timer's frequency: of the question, else of the spec's first estimator that has one, else the rate.
+double clock_of(const Spec& spec, std::optional<double> asked) {
+  if (asked) return *asked;
+  for (const EstimatorDesign& d : spec.estimators)
+    if (const auto clock = d.numbers.find("clock"); clock != d.numbers.end()) return clock->second;
+  return rate_of(spec);
+}
+
 /// Counts per sample from 0.015, or from below the crossing, to 7.5, or to above it.
 std::vector<double> speeds_around(double crossing) {
   std::vector<double> speeds;
@@ -118,7 +127,7 @@ std::vector<double> speeds_around(double crossing) {
 }  // namespace
 
 EstimatorReport estimator_report(const Spec& spec, std::optional<double> clock) {
-  EstimatorReport report{rate_of(spec), clock.value_or(rate_of(spec)), {}};
+  EstimatorReport report{rate_of(spec), clock_of(spec, clock), {}};
   const auto& joints = spec.model.chain.independent;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Encoder& encoder = spec.model.transmission.encoders[i];
@@ -127,10 +136,15 @@ EstimatorReport estimator_report(const Spec& spec, std::optional<double> clock) 
     EncoderEstimators e{joints[i].name, joints[i].prismatic() ? "m/s" : "rad/s",
                         delta,          estimator_crossing(delta, report.sample_rate, report.clock, edges),
                         edges,          {}};
-    for (const double counts : speeds_around(e.crossing_speed / one))
+    for (const double counts : speeds_around(e.crossing_speed / one)) {
       e.rows.push_back({counts * one, counts,
                         finite_difference_error(delta, report.sample_rate, counts * one, edges),
                         inverse_time_error(delta, report.clock, counts * one, edges)});
+      if (edges.ideal() && edges.slope == 0) continue;
+      // The paper's bounds are those of ideal edges: this disc exceeds them.
+      e.rows.back().finite_difference.printed = e.rows.back().inverse_time.printed =
+          std::numeric_limits<double>::infinity();
+    }
     report.encoders.push_back(std::move(e));
   }
   return report;

@@ -17,6 +17,7 @@
 #include "report/formats.hpp"
 #include "report/json_header.hpp"
 #include "report/text_table.hpp"
+#include "simulate/estimators/estimator.hpp"
 
 namespace qerr {
 
@@ -75,6 +76,9 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
                       std::string(e.summary),
                       e.parameters,
                       {{"stage", std::string(stage_name(e.stage))}, {"typical", std::string(e.typical)}}});
+  if (kind == "estimators")
+    for (const EstimatorKind& e : estimator_kinds())
+      rows.push_back({std::string(e.name), std::string(e.summary), e.parameters});
   if (kind == "formats")
     for (const Format& f : formats()) rows.push_back({std::string(f.name), std::string(f.summary)});
   if (kind == "coordinates")
@@ -96,8 +100,9 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"effects",     "filters",    "encoders",   "formats",
-                                              "coordinates", "statistics", "quantities", "units"};
+  static const std::vector<std::string> kinds{"effects",    "filters",    "estimators",
+                                              "encoders",   "formats",    "coordinates",
+                                              "statistics", "quantities", "units"};
   return kinds;
 }
 

@@ -9,6 +9,7 @@
 #include "report/page/page.hpp"
 #include "report/page/prose.hpp"
 #include "report/simulation/cutoffs.hpp"
+#include "report/simulation/estimators.hpp"
 #include "report/simulation/page.hpp"
 #include "report/text_table.hpp"
 
@@ -158,6 +159,14 @@ std::string to_html(const SimulationReport& r, const Style&) {
                       ", the first " + std::to_string(r.simulation.settling) + " discarded."));
   if (r.cutoffs) {
     add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
+    return markup(page);
+  }
+  if (!r.estimators.empty()) {
+    page.answer = "Along the motion estimator " + page::isolated(r.estimators.front().estimator) +
+                  " has the least error of joint " +
+                  page::isolated(r.spec.model.chain.independent[r.estimators.front().joint].name) + ", " +
+                  readable(r.estimators.front().rms, speed_unit(r, r.estimators.front())) + " rms.";
+    add("Velocity estimators", estimator_figures(r));
     return markup(page);
   }
   add("Simulation and theory", prediction_figures(r) + deviation_list(r));

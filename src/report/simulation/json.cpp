@@ -1,6 +1,7 @@
 #include "report/analysis/effects.hpp"
 #include "report/json_header.hpp"
 #include "report/simulation/cutoffs.hpp"
+#include "report/simulation/estimators.hpp"
 #include "report/simulation/signals.hpp"
 
 namespace qerr {
@@ -8,6 +9,7 @@ namespace qerr {
 namespace {
 
 using Cutoffs = In<CutoffSearch, SimulationReport>;
+using ReportedEstimate = In<EstimatedVelocity, SimulationReport>;
 
 /// An effect with its parameters beside its type.
 Json reported_effects(const SimulationReport& r) {
@@ -76,6 +78,26 @@ RowsOf<Cutoffs> rows(Of<Cutoffs>) {
            "of the vector of the position's coordinates"}};
 }
 
+RowsOf<ErrorAtSpeed> rows(Of<ErrorAtSpeed>) {
+  return {{"speed", &ErrorAtSpeed::speed}, {"rms", &ErrorAtSpeed::rms}};
+}
+
+RowsOf<ReportedEstimate> rows(Of<ReportedEstimate>) {
+  using Estimated = EstimatedVelocity;
+  return {{"estimator", &Estimated::estimator, "name in the spec"},
+          {"kind", &Estimated::kind, "of `qerr list estimators`, or filter"},
+          {"coordinate", [](auto& e) { return e.whole.spec.model.chain.independent[e->joint].name; },
+           "the joint"},
+          {"unit", [](auto& e) { return speed_unit(e.whole, *e); }},
+          {"rms", &Estimated::rms, "of the estimate minus the true velocity"},
+          {"noise", &Estimated::noise, "rms about the true velocity at the delay"},
+          {"tracking", &Estimated::tracking, "rms of what the delay makes"},
+          {"delay", &Estimated::delay, "that fits best [s]"},
+          {"worst", &Estimated::worst, "largest error along the motion"},
+          {"worst_case", &Estimated::worst_case, "bound of what the counts add; null: none is known"},
+          {"by_speed", &Estimated::by_speed, "rms in classes of the speed"}};
+}
+
 RowsOf<SimulationReport> rows(Of<SimulationReport>) {
   return spec_header<SimulationReport>("simulate")
       .with({{"effects", reported_effects, effects_schema()},
@@ -84,6 +106,8 @@ RowsOf<SimulationReport> rows(Of<SimulationReport>) {
              {"settling_samples", [](auto& r) { return r.simulation.settling; }, "discarded at the start"},
              {"results", signals_of},
              {"cutoffs", within(&SimulationReport::cutoffs), "with --cutoffs", optional},
+             {"estimators", [](auto& r) { return items_of(r.estimators, r); },
+              "with --estimators: of each joint the least error first", optional},
              {"warnings", &SimulationReport::warnings}});
 }
 

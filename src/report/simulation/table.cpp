@@ -6,6 +6,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "report/formats.hpp"
 #include "report/simulation/cutoffs.hpp"
+#include "report/simulation/estimators.hpp"
 #include "report/simulation/signals.hpp"
 #include "report/text_table.hpp"
 
@@ -102,6 +103,7 @@ std::string to_table(const SimulationReport& r, const Style& style) {
                             escaped(r.spec.robot_name, 60) + "', " + std::to_string(s.runs) +
                             (s.runs == 1 ? " run of " : " runs of ") + std::to_string(s.samples) +
                             " samples, the first " + std::to_string(s.settling) + " discarded\n";
+  if (!r.estimators.empty()) return within(title + estimator_table(r, style), style.width);
   if (r.cutoffs) return within(title + cutoff_table(r, style), style.width);
   const std::string exact =
       r.spec.effects.empty() ? "exact at its speeds" : "exact at its speeds for quantization alone";

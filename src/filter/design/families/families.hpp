@@ -24,6 +24,7 @@ FilterFamily least_squares_family();
 FilterFamily kalman_family();
 FilterFamily alpha_beta_family();
 FilterFamily alpha_beta_gamma_family();
+FilterFamily tracking_loop_family();
 
 /// A number for a message, with at most 12 digits.
 std::string figure(double value);

@@ -1,0 +1,124 @@
+#include "report/simulation/estimators.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "report/csv_text.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
+#include "report/text_table.hpp"
+#include "simulate/estimators/estimator.hpp"
+#include "simulate/settling.hpp"
+#include "simulate/velocity_comparison.hpp"
+
+namespace qerr {
+
+std::vector<EstimatedVelocity> estimator_comparison(const Spec& spec, const SimulationOptions& options) {
+  std::vector<VelocityFilter> filters;
+  for (const NamedFilter& f : spec.filters)
+    if (f.filter.derivative == 1 && !f.controller && !has_unknown_unit(f.filter))
+      filters.push_back({f.name, f.filter, f.norms, f.joints});
+  if (filters.empty() && spec.estimators.empty())
+    throw Error(Fault{{spec.file, 1, 1},
+                      "estimators",
+                      "the spec has no velocity estimator to compare",
+                      "",
+                      "add estimators: (qerr list estimators), or filters of derivative 1"});
+  const Motion& motion = *spec.motion;
+  const double numbers = static_cast<double>((filters.size() + spec.estimators.size() + 1) *
+                                             spec.model.chain.independent.size() * options.runs) *
+                         motion.duration * motion.sample_rate;
+  constexpr double most = 5e7;  // numbers that are kept: 400 MB
+  if (numbers > most)
+    throw Error(Fault{{spec.file, 1, 1},
+                      "motion.duration",
+                      "the motion has too many samples for a comparison of estimators",
+                      significant(numbers, 3) + " estimates of at most 5e7",
+                      "shorten the motion, or ask for fewer runs"});
+  std::vector<Filter> designed;
+  for (const VelocityFilter& f : filters) designed.push_back(f.filter);
+  // Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
+  const double settling =
+      motion.settling ? *motion.settling : std::max(settling_time(motion, designed), motion.duration / 20);
+  return compare_velocities(spec.model, filters, spec.estimators, motion, spec.effects, settling, options);
+}
+
+std::string speed_unit(const SimulationReport& r, const EstimatedVelocity& e) {
+  return r.spec.model.chain.independent[e.joint].prismatic() ? "m/s" : "rad/s";
+}
+
+namespace {
+
+const std::string& joint_of(const SimulationReport& r, const EstimatedVelocity& e) {
+  return r.spec.model.chain.independent[e.joint].name;
+}
+
+std::vector<std::string> cells_of(const SimulationReport& r, const EstimatedVelocity& e) {
+  const std::string unit = speed_unit(r, e);
+  return {escaped(joint_of(r, e), 22),
+          escaped(e.estimator, 40),
+          e.kind,
+          readable(e.rms, unit),
+          e.delay ? readable(*e.delay, "s") : "none",
+          readable(e.tracking, unit),
+          readable(e.noise, unit),
+          readable(e.worst, unit),
+          e.worst_case ? readable(*e.worst_case, unit) : "-"};
+}
+
+const std::vector<std::string> heads{"joint",        "estimator",  "kind",  "total", "delay",
+                                     "by the delay", "noise left", "worst", "bound"};
+constexpr const char* legend =
+    "total: rms of the estimate minus the true velocity; delay: by which the true velocity fits the estimate "
+    "best; by the delay: rms of what it alone makes; noise left: rms about the late velocity; worst: largest "
+    "error; bound: "
+    "proven, "
+    "of what the counts add";
+
+}  // namespace
+
+std::string estimator_table(const SimulationReport& r, const Style& style) {
+  std::vector<std::vector<std::string>> rows{heads};
+  for (const EstimatedVelocity& e : r.estimators) rows.push_back(cells_of(r, e));
+  return heading("Velocity estimators along the motion, of each joint the least error first", style) +
+         fitted_table(rows, style.width) + wrapped(legend, style.width, "  ");
+}
+
+std::string estimator_figures(const SimulationReport& r) {
+  std::string out;
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < r.estimators.size(); ++i) {
+    const EstimatedVelocity& first = r.estimators[i];
+    rows.push_back(cells_of(r, first));
+    if (i > 0 && r.estimators[i - 1].joint == first.joint) continue;
+    page::Plot plot{page::isolated_runs("Error against speed of " + joint_of(r, first)),
+                    "Rms error of each estimate in classes of the true speed.",
+                    {"speed", speed_unit(r, first), true},
+                    {"error, rms", speed_unit(r, first), true},
+                    {}};
+    for (std::size_t k = i; k < r.estimators.size() && r.estimators[k].joint == first.joint; ++k) {
+      page::Series line{page::isolated_runs(r.estimators[k].estimator), {}};
+      for (const ErrorAtSpeed& at : r.estimators[k].by_speed)
+        if (at.speed > 0 && at.rms > 0) line.points.emplace_back(at.speed, at.rms);
+      if (line.points.size() > 1) plot.series.push_back(line);
+    }
+    if (!plot.series.empty()) out += figure(plot);
+  }
+  return page::side_by_side(out) + page::isolated_table(heads, rows) + page::paragraph(legend);
+}
+
+std::string estimator_csv(const SimulationReport& r) {
+  std::string out = "estimator,kind,coordinate,unit,rms,noise,tracking,delay,worst,worst_case\r\n";
+  for (const EstimatedVelocity& e : r.estimators) {
+    out += csv_cell(e.estimator) + ',' + e.kind + ',' + csv_cell(joint_of(r, e)) + ',' + speed_unit(r, e);
+    for (const auto& value : {std::optional(e.rms), std::optional(e.noise), std::optional(e.tracking),
+                              e.delay, std::optional(e.worst), e.worst_case})
+      out += ',' + csv_number(value);
+    out += "\r\n";
+  }
+  return out;
+}
+
+}  // namespace qerr
