@@ -37,7 +37,7 @@ def beside(rng, t, size):
     yield "a hum", size * np.sin(2 * math.pi * f * t), f
     f, stops = rng.uniform(8, 20), np.sort(rng.uniform(0, t[-1], 6))
     since = t - stops[np.clip(np.searchsorted(stops, t) - 1, 0, None)]
-    yield "vibrations after stops", 4 * size * np.where(since >= 0, np.exp(-since * 2) * np.sin(2 * math.pi * f * since), 0), f
+    yield "vibrations after stops", 6 * size * np.where(since >= 0, np.exp(-since) * np.sin(2 * math.pi * f * since), 0), f
     w = np.cumsum(rng.standard_normal(len(t)))
     yield "a wander", 2 * size * (w - w.mean()) / np.std(w), 0
 

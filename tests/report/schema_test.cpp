@@ -127,10 +127,10 @@ TEST_F(SpecSchema, HasTheBoundsOfPhysics) {
 /// A key with one letter added is unknown to both reader and schema, at every depth.
 TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
   const fs::path file = fs::temp_directory_path() / ("qerr_schema_" + std::to_string(getpid()) + ".yaml");
-  const std::set<std::string> free_keys{
-      "/encoders",        "/filters",        "/configurations/limits", "/motion/joints",
-      "/design/encoders", "/design/filters", "/control/joints",        "/walls",
-      "/estimators",      "/design/gains"};
+  const std::set<std::string> free_keys{"/encoders",       "/filters",         "/configurations/limits",
+                                        "/motion/joints",  "/design/encoders", "/design/filters",
+                                        "/control/joints", "/walls",           "/estimators",
+                                        "/design/gains"};
   const auto read = [&](const nlohmann::json& spec) {
     std::ofstream(file) << spec.dump();  // JSON is YAML
     read_spec(file.string());
