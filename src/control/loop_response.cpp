@@ -143,6 +143,12 @@ ResponseNorms certified(const Filter& f, double sign) {
   return {n.l1.upper, n.h2, sign * n.dc_gain};
 }
 
+/// Whether two joints of one controller close the same loop, at equal inertias.
+bool close_the_same(const JointController& x, const JointController& y) {
+  return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&
+         x.inertia.has_value() == y.inertia.has_value();
+}
+
 }  // namespace
 
 const KnownResponse& response_at(const Control& control, const Chain& chain, std::size_t joint,
@@ -156,6 +162,12 @@ const KnownResponse& response_at(const Control& control, const Chain& chain, std
   Kept& kept = all[joint];
   const double inertia = inertia_at(control, chain, joint, q);
   if (kept.control == control.id && kept.inertia == inertia) return kept.known;
+  for (const auto& [other, of_other] : all)
+    if (other != joint && of_other.control == control.id && of_other.inertia == inertia &&
+        close_the_same(control.joints[other], control.joints[joint])) {
+      kept = of_other;
+      return kept.known;
+    }
   kept = {control.id, inertia, {}};
   LoopResponse& r = kept.known.response;
   if (inertia > 0)

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -17,9 +18,10 @@ namespace qerr::testing {
 class LogFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder = std::filesystem::temp_directory_path() /
-             ("qerr_log_" + std::to_string(getpid()) + '_' +
-              ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(test.begin(), test.end(), '/',
+                 '_');  // of a parameter: no folder in a folder, which would stay
+    folder = std::filesystem::temp_directory_path() / ("qerr_log_" + std::to_string(getpid()) + '_' + test);
     std::filesystem::create_directories(folder);
     spec = spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}");
   }

@@ -293,7 +293,9 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   }
   name_frames(s.model, d);
   name_causes(s, d);
-  for (Unidentified& left : tip_remainder(s.model)) d.unexplained.push_back(std::move(left));
+  // Beside causes, what the linearized fit leaves of them has a structure, too.
+  if (s.model.terms().empty() && s.model.frames() == UnknownFrames::none)
+    for (Unidentified& left : tip_remainder(s.model)) d.unexplained.push_back(std::move(left));
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

@@ -86,7 +86,7 @@ std::vector<Unidentified> tip_remainder(const TipModel& m) {
   for (std::size_t i = 0; i < widths.size(); ++i) {
     const Window w = strongest_window(power, widths[i]);
     const double share = w.power / whole;
-    if (share < beyond_surrogates * limits[i] || share < noticeable) continue;
+    if (!(share >= beyond_surrogates * limits[i] && share >= noticeable)) continue;  // also of an exact fit
     const double frequency = centre(power, w, widths[i]) * spacing / (2 * std::numbers::pi);
     // Of the variance of all coordinates, which is that of a line of this amplitude along one of them.
     const double variance = left.squaredNorm() / static_cast<double>(left.rows());
