@@ -32,14 +32,14 @@ std::vector<double> spectrum(const Eigen::MatrixXd& series, const Eigen::ArrayXd
 
 double sum(const std::vector<double>& power) { return std::accumulate(power.begin(), power.end(), 0.0); }
 
-struct Window {
+struct Band {
   std::size_t first = 0;
   double power = 0;
 };
 
-Window strongest_window(const std::vector<double>& power, std::size_t width) {
+Band strongest_band(const std::vector<double>& power, std::size_t width) {
   double inside = 0;
-  Window best;
+  Band best;
   for (std::size_t i = 0; i < power.size(); ++i) {
     inside += power[i] - (i >= width ? power[i - width] : 0);
     if (inside > best.power) best = {i + 1 >= width ? i + 1 - width : 0, inside};
@@ -48,7 +48,7 @@ Window strongest_window(const std::vector<double>& power, std::size_t width) {
 }
 
 /// Mean index of the power in a window.
-double centre(const std::vector<double>& power, const Window& w, std::size_t width) {
+double centre(const std::vector<double>& power, const Band& w, std::size_t width) {
   double inside = 0, moment = 0;
   for (std::size_t i = w.first; i < std::min(w.first + width, power.size()); ++i) {
     inside += power[i];
@@ -80,11 +80,11 @@ std::vector<Unidentified> tip_remainder(const TipModel& m) {
            0.5);
     const std::vector<double> by_chance = spectrum(m.in_base(drawn), time, spacing);
     for (std::size_t i = 0; i < widths.size(); ++i)
-      limits[i] = std::max(limits[i], strongest_window(by_chance, widths[i]).power / sum(by_chance));
+      limits[i] = std::max(limits[i], strongest_band(by_chance, widths[i]).power / sum(by_chance));
   }
   const double whole = sum(power);
   for (std::size_t i = 0; i < widths.size(); ++i) {
-    const Window w = strongest_window(power, widths[i]);
+    const Band w = strongest_band(power, widths[i]);
     const double share = w.power / whole;
     if (!(share >= beyond_surrogates * limits[i] && share >= noticeable)) continue;  // also of an exact fit
     const double frequency = centre(power, w, widths[i]) * spacing / (2 * std::numbers::pi);

@@ -23,17 +23,17 @@ constexpr Eigen::Index most_loads = 1500;  ///< at which loads are computed
 constexpr double proportional_residual = 0.1;
 
 /// A joint along its reference.
-struct JointMotion {
+struct JointPath {
   Eigen::ArrayXd position, velocity, acceleration;
 };
 
-std::optional<JointMotion> joint_motion(const Sanity& s, std::size_t joint) {
+std::optional<JointPath> joint_path(const Sanity& s, std::size_t joint) {
   const auto time = s.log.find(LogSignal::time), column = s.log.find(LogSignal::reference, joint);
   if (!time || !column) return std::nullopt;
   const Eigen::ArrayXd t = s.log.values.col(*time);
   const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
   const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
-  return JointMotion{
+  return JointPath{
       path.position, path.velocity,
       path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity};
 }
@@ -62,9 +62,9 @@ struct Loads {
 /// Empty without masses or a reference of every joint, and where the load is constant.
 std::optional<Loads> loads_by_masses(const Sanity& s, std::size_t joint) {
   if (!has_masses(s.model.chain)) return std::nullopt;
-  std::vector<JointMotion> all;
+  std::vector<JointPath> all;
   for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
-    auto motion = joint_motion(s, j);
+    auto motion = joint_path(s, j);
     if (!motion) return std::nullopt;
     all.push_back(std::move(*motion));
   }
@@ -74,7 +74,7 @@ std::optional<Loads> loads_by_masses(const Sanity& s, std::size_t joint) {
   Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
   for (Eigen::Index i = 0; i < l.sampled.size(); ++i) {
     for (Eigen::Index j = 0; j < joints; ++j) {
-      const JointMotion& m = all[static_cast<std::size_t>(j)];
+      const JointPath& m = all[static_cast<std::size_t>(j)];
       position[j] = m.position[i * stride];
       velocity[j] = m.velocity[i * stride];
       acceleration[j] = m.acceleration[i * stride];
@@ -114,7 +114,7 @@ struct EffortShares {
 EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
   const auto loads = loads_by_masses(s, joint);
   if (!loads) return {};
-  const JointMotion motion = *joint_motion(s, joint);
+  const JointPath motion = *joint_path(s, joint);
   const Eigen::ArrayXd sampled = loads->of_rows(effort);
   Eigen::MatrixXd own(sampled.size(), 2);
   own << loads->of_rows(motion.velocity).matrix(), loads->of_rows(motion.acceleration).matrix();
@@ -195,7 +195,7 @@ constexpr double follows_masses = 0.9;
 /// Payloads and friction change the factor of an effort in N m by less than this.
 constexpr double same_unit = 1.5;
 
-/// A load is replaced by another one, and the acceleration added, for so much less of an error's rest.
+/// A load is replaced by another one, and the rotor's share taken off, for so much less of an error's rest.
 constexpr double matters = 0.9;
 
 /// Dry friction by the speed, without a jump at rest: -1 to 1.
@@ -211,17 +211,19 @@ struct Deflecting {
   double residual_rms = 0;
 };
 
-/// @param load  to which so much of the acceleration is added as the error tells: the rotor's inertia does
-/// not
-///   deflect the gear, and the URDF may not know all of the link's
-Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& acceleration,
-                      const Eigen::ArrayXd& error) {
+/// @param load   without friction
+/// @param rotor  what the acceleration adds to the effort: of it, the share of the rotor does not deflect the
+///   gear, and is taken off as the error tells
+Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& rotor, const Eigen::ArrayXd& error) {
   const double alone = regression(load.matrix(), error).residual_rms;
   Eigen::MatrixXd columns(load.size(), 2);
-  columns << load.matrix(), acceleration.matrix();
+  columns << load.matrix(), rotor.matrix();
   const Regression both = regression(columns, error);
-  if (both.residual_rms > matters * alone || both.coefficients[0] == 0) return {load, alone};
-  return {load + both.coefficients[1] / both.coefficients[0] * acceleration, both.residual_rms};
+  if (both.coefficients[0] == 0) return {load, alone};
+  const double share = std::clamp(-both.coefficients[1] / both.coefficients[0], 0.0, 1.0);
+  const Eigen::ArrayXd less = load - share * rotor;
+  const double left = regression(less.matrix(), error).residual_rms;
+  return left > matters * alone ? Deflecting{load, alone} : Deflecting{less, left};
 }
 
 /// An effort by least squares: factor load + friction by direction and speed + inertia acceleration +
@@ -229,11 +231,11 @@ Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& accelera
 struct EffortParts {
   double factor = 0;  ///< of the load by the URDF's masses; 0: not known
   double dry = 0;     ///< friction [unit of the effort]
-  Eigen::ArrayXd friction;
+  Eigen::ArrayXd friction, by_acceleration;
 };
 
 /// @param loads  null: gravity takes its place, by sine and cosine of the joint's angle
-EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointMotion& m, const Loads* loads) {
+EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const Loads* loads) {
   const Loads every{m.position, 1};
   const Loads& l = loads ? *loads : every;
   const Eigen::ArrayXd direction = direction_by_speed(m.velocity), sampled = l.of_rows(effort);
@@ -244,7 +246,8 @@ EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointMotion& m, con
             : (Eigen::MatrixXd(sampled.size(), 2) << m.position.sin(), m.position.cos()).finished();
   const Regression r = regression(columns, sampled);
   EffortParts p{0, std::abs(r.coefficients[0]),
-                r.coefficients[0] * direction + r.coefficients[1] * m.velocity};
+                r.coefficients[0] * direction + r.coefficients[1] * m.velocity,
+                r.coefficients[2] * m.acceleration};
   const double left = r.residual_rms;
   if (loads && std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
       std::abs(r.coefficients[3]) * standard_deviation(l.sampled) > 3 * left)
@@ -289,7 +292,7 @@ void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double fa
 
 void check_load(Sanity& s, std::size_t joint) {
   const auto column = s.log.find(LogSignal::effort, joint);
-  const auto motion = joint_motion(s, joint);
+  const auto motion = joint_path(s, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   if (!column || !motion || !measured || s.log.values.rows() < fewest_rows_of_slope) return;
   const Eigen::ArrayXd effort = s.log.values.col(*column);
@@ -298,7 +301,7 @@ void check_load(Sanity& s, std::size_t joint) {
   const auto loads = loads_by_masses(s, joint);
   const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
   const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
-  const Deflecting free = deflecting(effort - parts.friction, motion->acceleration, error);
+  const Deflecting free = deflecting(effort - parts.friction, parts.by_acceleration, error);
   Deflecting modelled{{}, std::numeric_limits<double>::infinity()};
   if (loads) {
     modelled.load = loads->at_all(effort.size());

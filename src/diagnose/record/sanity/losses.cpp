@@ -84,13 +84,15 @@ void check_losses(Sanity& s, std::size_t encoder) {
                after = standard_deviation(counts - motion);
   if (!(after < 0.5 * before)) return;
   const double sign = direction(s.model.transmission.encoders[encoder]);
+  const Eigen::ArrayXd time_of_row =
+      s.log.values.col(*stamps) - s.log.values(0, *stamps);  // as effects count it
   for (const Loss& l : losses) {
-    const double time = 0.5 * (s.log.values(l.row, *stamps) + s.log.values(l.row - 1, *stamps));
+    const double time = 0.5 * (time_of_row[l.row] + time_of_row[l.row - 1]);
     Cause c =
         exact_cause(s, encoder, missed_counts_effect().name, {{"counts", sign * l.counts()}, {"time", time}},
                     0, before * resolution, after * resolution);
     c.parameters = {{"counts", sign * l.counts(), sign * l.counts(), sign * l.counts()},
-                    {"time", time, s.log.values(l.row - 1, *stamps), s.log.values(l.row, *stamps)}};
+                    {"time", time, time_of_row[l.row - 1], time_of_row[l.row]}};
     s.causes.push_back(std::move(c));
   }
   read->counts = std::move(counts);
