@@ -7,7 +7,6 @@ The pendulum's load is m g l cos q + (I + m l^2) q'', by hand. Its effort is log
 as a current, and with the friction and the inertia of a motor in it. The gear's compliance must be found, and nothing else; without
 one, nothing is wrong with the machine.
 """
-import argparse
 import json
 import math
 import pathlib
@@ -16,7 +15,7 @@ import tempfile
 
 import numpy as np
 
-from tool import Tally, run
+from tool import run, study_and_tally
 
 URDF = """<robot name="pendulum"><link name="base"/><link name="rod"><inertial><origin xyz="{l} 0 0"/><mass value="{m}"/>
 <inertia ixx="{i}" ixy="0" ixz="0" iyy="{i}" iyz="0" izz="{i}"/></inertial></link><link name="tip"/>
@@ -53,13 +52,8 @@ def efforts(rng, load, v, a):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--verbose", action="store_true")
-    arguments = parser.parse_args()
-    qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), np.random.default_rng(arguments.seed)
+    arguments, qerr, t = study_and_tally(rounds=3)
+    rng = np.random.default_rng(arguments.seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         (folder / "s.yaml").write_text(SPEC)

@@ -5,7 +5,6 @@
 
 An arm of two links, by hand: x = a cos q1 + b cos(q1 + q2), y = a sin q1 + b sin(q1 + q2).
 """
-import argparse
 import json
 import math
 import pathlib
@@ -14,7 +13,7 @@ import tempfile
 
 import numpy as np
 
-from tool import Tally, run
+from tool import run, study_and_tally
 
 URDF = """<robot name="arm"><link name="base"/><link name="upper"/><link name="lower"/><link name="tip"/>
 <joint name="q1" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
@@ -43,13 +42,8 @@ def beside(rng, t, size):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--verbose", action="store_true")
-    arguments = parser.parse_args()
-    qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), np.random.default_rng(arguments.seed)
+    arguments, qerr, t = study_and_tally(rounds=3)
+    rng = np.random.default_rng(arguments.seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for round_ in range(arguments.rounds):

@@ -36,6 +36,17 @@ def program_and_tally():
     return pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
 
 
+def study_and_tally(rounds):
+    """The arguments of a study with random cases (--rounds, --seed), the program of --qerr, and a tally."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--rounds", type=int, default=rounds)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    return arguments, pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+
+
 class Tally:
     def __init__(self, show_passed=True):
         self.passed = self.failed = 0

@@ -17,7 +17,7 @@ constexpr double near_whole = 0.18;  ///< rms of what is left of whole numbers; 
 
 struct Loss {
   Eigen::Index row;
-  double step;  ///< as seen [counts]
+  double jump, step;  ///< between two rows, and of the medians around them [counts]
 
   double counts() const { return std::round(step); }
 };
@@ -37,8 +37,8 @@ double step_at(const Eigen::ArrayXd& error, Eigen::Index k) {
   return middle(error.segment(k, side)) - middle(error.segment(k - side, side));
 }
 
-/// Losses among the steps that stand out of those of other rows; empty if one of the steps is no loss, or
-/// their sizes are not those of whole numbers.
+/// Steps between two rows, while the joint moves on, that stand out of those of other rows; none if their
+/// sizes are not those of whole numbers.
 std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
   std::vector<double> others, jumps;
   for (Eigen::Index k = side; k + side <= error.size(); k += side) {
@@ -47,22 +47,19 @@ std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& m
   }
   const double usual = median(jumps) / 0.6745, least = std::max(1.5, 8 * median(others) / 0.6745);
   std::vector<Loss> losses;
-  double squares = 0;
   for (Eigen::Index k = side; k + side <= error.size(); ++k) {
     const double jump = error[k] - error[k - 1];
     if (std::abs(jump) < 0.5 * least) continue;
     const double step = step_at(error, k);
-    if (std::abs(step) < least || std::abs(jump - step) > 3 * usual + 0.5) continue;
-    // The same step is seen from its neighbours.
+    if (std::abs(step) < least || std::abs(jump - step) > 4 * usual + 0.5 || !moves_on(motion, k)) continue;
+    // The medians see the same step from its neighbours.
     const bool again = !losses.empty() && k < losses.back().row + side;
-    if (again && std::abs(step) <= std::abs(losses.back().step)) continue;
+    if (again && std::abs(jump) <= std::abs(losses.back().jump)) continue;
     if (again) losses.pop_back();
-    losses.push_back({k, step});
+    losses.push_back({k, jump, step});
   }
-  for (const Loss& l : losses) {
-    if (std::round(l.step) == 0 || !moves_on(motion, l.row)) return {};
-    squares += std::pow(l.step - std::round(l.step), 2);
-  }
+  double squares = 0;
+  for (const Loss& l : losses) squares += std::pow(l.step - l.counts(), 2);
   if (squares > near_whole * near_whole * static_cast<double>(losses.size())) return {};
   return losses;
 }
@@ -82,7 +79,7 @@ void check_losses(Sanity& s, std::size_t encoder) {
   for (const Loss& l : losses) counts.tail(counts.size() - l.row) -= l.counts();
   const double before = standard_deviation(read->counts - motion),
                after = standard_deviation(counts - motion);
-  if (!(after < 0.5 * before)) return;
+  if (!(after < 0.7 * before)) return;
   const double sign = direction(s.model.transmission.encoders[encoder]);
   const Eigen::ArrayXd time_of_row =
       s.log.values.col(*stamps) - s.log.values(0, *stamps);  // as effects count it
