@@ -38,6 +38,15 @@ std::optional<JointPath> joint_path(const Sanity& s, std::size_t joint) {
       path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity};
 }
 
+/// Those with a reference, of all joints.
+using JointPaths = std::vector<std::optional<JointPath>>;
+
+JointPaths joint_paths(const Sanity& s) {
+  JointPaths all(s.model.chain.independent.size());
+  for (std::size_t j = 0; j < all.size(); ++j) all[j] = joint_path(s, j);
+  return all;
+}
+
 /// Loads by the URDF's masses at every `stride`-th row [N m or N].
 struct Loads {
   Eigen::ArrayXd sampled;
@@ -59,31 +68,28 @@ struct Loads {
   }
 };
 
-/// Empty without masses or a reference of every joint, and where the load is constant.
-std::optional<Loads> loads_by_masses(const Sanity& s, std::size_t joint) {
-  if (!has_masses(s.model.chain)) return std::nullopt;
-  std::vector<JointPath> all;
-  for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
-    auto motion = joint_path(s, j);
-    if (!motion) return std::nullopt;
-    all.push_back(std::move(*motion));
-  }
+/// Loads of all joints. Empty without masses or a path of every joint, and of a joint whose load is constant.
+std::vector<std::optional<Loads>> loads_by_masses(const Sanity& s, const JointPaths& paths) {
+  std::vector<std::optional<Loads>> all(paths.size());
+  const bool known = std::all_of(paths.begin(), paths.end(), [](const auto& p) { return p.has_value(); });
+  if (!known || !has_masses(s.model.chain)) return all;
   const Eigen::Index n = s.log.values.rows(), stride = std::max<Eigen::Index>(1, n / most_loads);
-  Loads l{Eigen::ArrayXd(n / stride), stride};
-  const auto joints = static_cast<Eigen::Index>(all.size());
+  const auto joints = static_cast<Eigen::Index>(paths.size());
+  Eigen::ArrayXXd loads(n / stride, joints);
   Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
-  for (Eigen::Index i = 0; i < l.sampled.size(); ++i) {
+  for (Eigen::Index i = 0; i < loads.rows(); ++i) {
     for (Eigen::Index j = 0; j < joints; ++j) {
-      const JointPath& m = all[static_cast<std::size_t>(j)];
-      position[j] = m.position[i * stride];
-      velocity[j] = m.velocity[i * stride];
-      acceleration[j] = m.acceleration[i * stride];
+      const JointPath& p = *paths[static_cast<std::size_t>(j)];
+      position[j] = p.position[i * stride];
+      velocity[j] = p.velocity[i * stride];
+      acceleration[j] = p.acceleration[i * stride];
     }
-    l.sampled[i] =
-        inverse_dynamics(s.model.chain, position, velocity, acceleration)[static_cast<Eigen::Index>(joint)];
+    loads.row(i) = inverse_dynamics(s.model.chain, position, velocity, acceleration).transpose();
   }
-  if (standard_deviation(l.sampled) < 1e-9) return std::nullopt;
-  return l;
+  for (Eigen::Index j = 0; j < joints; ++j)
+    if (standard_deviation(loads.col(j)) >= 1e-9)
+      all[static_cast<std::size_t>(j)] = Loads{loads.col(j), stride};
+  return all;
 }
 
 /// Coefficients of columns beside a constant, and what they leave of a signal.
@@ -112,9 +118,10 @@ struct EffortShares {
 };
 
 EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
-  const auto loads = loads_by_masses(s, joint);
+  const JointPaths paths = joint_paths(s);
+  const std::optional<Loads> loads = loads_by_masses(s, paths)[joint];
   if (!loads) return {};
-  const JointPath motion = *joint_path(s, joint);
+  const JointPath& motion = *paths[joint];
   const Eigen::ArrayXd sampled = loads->of_rows(effort);
   Eigen::MatrixXd own(sampled.size(), 2);
   own << loads->of_rows(motion.velocity).matrix(), loads->of_rows(motion.acceleration).matrix();
@@ -288,17 +295,14 @@ void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double fa
   s.log.values.col(column) /= factor;
 }
 
-}  // namespace
-
-void check_load(Sanity& s, std::size_t joint) {
+void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& motion,
+               const std::optional<Loads>& loads) {
   const auto column = s.log.find(LogSignal::effort, joint);
-  const auto motion = joint_path(s, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !motion || !measured || s.log.values.rows() < fewest_rows_of_slope) return;
+  if (!column || !motion || !measured) return;
   const Eigen::ArrayXd effort = s.log.values.col(*column);
   const Eigen::ArrayXd error = *measured - s.log.values.col(*s.log.find(LogSignal::reference, joint));
   if (standard_deviation(effort) == 0) return;
-  const auto loads = loads_by_masses(s, joint);
   const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
   const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
   const Deflecting free = deflecting(effort - parts.friction, parts.by_acceleration, error);
@@ -324,6 +328,17 @@ void check_load(Sanity& s, std::size_t joint) {
   }
   if (free.residual_rms < matters * plain) s.log.values.col(*column) = free.load;
   if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
+}
+
+}  // namespace
+
+void check_loads(Sanity& s) {
+  const bool logged = std::any_of(s.log.columns.begin(), s.log.columns.end(),
+                                  [](const LogColumn& c) { return c.signal == LogSignal::effort; });
+  if (!logged || s.log.values.rows() < fewest_rows_of_slope) return;
+  const JointPaths paths = joint_paths(s);
+  const std::vector<std::optional<Loads>> loads = loads_by_masses(s, paths);
+  for (std::size_t j = 0; j < paths.size(); ++j) make_load(s, j, paths[j], loads[j]);
 }
 
 }  // namespace qerr::sanity

@@ -128,9 +128,9 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   for (const auto step :
        {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover, sanity::check_decoding,
         sanity::check_frozen_reference, sanity::check_log_resolution, sanity::check_reference_grid,
-        sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output,
-        sanity::check_load})
+        sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
+  sanity::check_loads(s);
   sanity::check_outliers(s);
   sanity::check_held_sensors(s);  // before stuck sensors: a hold of many rows looks like one
   for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_reference_noise,

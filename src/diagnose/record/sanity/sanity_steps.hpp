@@ -92,7 +92,7 @@ void check_log_resolution(Sanity&, std::size_t encoder);
 void check_frozen_reference(Sanity&, std::size_t encoder);
 void check_stuck_sensor(Sanity&, std::size_t encoder);
 void check_controller_output(Sanity&, std::size_t encoder);
-void check_load(Sanity&, std::size_t joint);
+void check_loads(Sanity&);
 void check_tracker(Sanity&);
 void check_velocity_column(Sanity&, std::size_t joint);
 void check_velocity(Sanity&, const std::vector<Filter>&, std::size_t encoder);
