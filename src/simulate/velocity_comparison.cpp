@@ -19,7 +19,7 @@ namespace {
 using Estimates = std::vector<std::vector<double>>;
 
 /// What is compared, rows being the filters and then the estimators.
-struct Comparison {
+struct ComparedMotion {
   const OperationalModel& model;
   const std::vector<VelocityFilter>& filters;
   const std::vector<EstimatorDesign>& estimators;
@@ -53,7 +53,7 @@ double sub_step(const Motion& motion) {
   return 1 / (fastest * (motion.joints.empty() ? 4 : 1));
 }
 
-EncoderPath path_of(const Comparison& c, std::size_t encoder, double displacement) {
+EncoderPath path_of(const ComparedMotion& c, std::size_t encoder, double displacement) {
   std::vector<std::pair<std::size_t, double>> parts;
   for (std::size_t j = 0; j < c.path.joints(); ++j)
     if (const double part = c.to_encoders(static_cast<Eigen::Index>(encoder), static_cast<Eigen::Index>(j));
@@ -68,7 +68,7 @@ EncoderPath path_of(const Comparison& c, std::size_t encoder, double displacemen
           [=](double t) { return sum(t, &JointState::velocity); }, sub_step(c.motion)};
 }
 
-void require_edges_apart(const Comparison& c, std::size_t encoder) {
+void require_edges_apart(const ComparedMotion& c, std::size_t encoder) {
   const EdgeErrors edges =
       edge_errors(c.model.transmission.encoders[encoder], c.effects, c.joint_name(encoder));
   if (edges.shortest > 0 && edges.slope < 1) return;
@@ -81,7 +81,7 @@ void require_edges_apart(const Comparison& c, std::size_t encoder) {
 
 /// Adds one run of one encoder.
 /// @param counts  at the samples
-void run_encoder(const Comparison& c, std::size_t encoder, const std::vector<double>& counts,
+void run_encoder(const ComparedMotion& c, std::size_t encoder, const std::vector<double>& counts,
                  double displacement, Estimates& all) {
   const Encoder& e = c.model.transmission.encoders[encoder];
   for (std::size_t row = 0; row < c.filters.size(); ++row) {
@@ -110,7 +110,7 @@ void run_encoder(const Comparison& c, std::size_t encoder, const std::vector<dou
 }
 
 /// The counts of one run, [encoder][sample].
-std::vector<std::vector<double>> counts_of_run(const Comparison& c, std::uint64_t run,
+std::vector<std::vector<double>> counts_of_run(const ComparedMotion& c, std::uint64_t run,
                                                const Eigen::VectorXd& displacement) {
   Sensing sensing(c.model, c.motion, c.effects, {displacement, random_bits(c.options.seed, run, 0)},
                   c.options.instructions);
@@ -125,13 +125,13 @@ std::vector<std::vector<double>> counts_of_run(const Comparison& c, std::uint64_
 }
 
 /// An estimate of a joint's velocity at the instants that are judged.
-struct Series {
+struct VelocitySeries {
   std::vector<double> time, estimate, velocity;
 };
 
-Series series_of(const Comparison& c, std::size_t row, std::size_t joint,
-                 const std::vector<Estimates>& encoders) {
-  Series s;
+VelocitySeries series_of(const ComparedMotion& c, std::size_t row, std::size_t joint,
+                         const std::vector<Estimates>& encoders) {
+  VelocitySeries s;
   const std::size_t every = c.every(row), of_run = (c.samples + every - 1) / every;
   for (std::size_t i = 0; i < encoders[0][row].size(); ++i) {
     const std::size_t sample = i % of_run * every;
@@ -149,7 +149,7 @@ Series series_of(const Comparison& c, std::size_t row, std::size_t joint,
 }
 
 /// The delay at which the true velocity fits best; empty where it does not change.
-std::optional<double> delay_of(const Comparison& c, std::size_t joint, const Series& s) {
+std::optional<double> delay_of(const ComparedMotion& c, std::size_t joint, const VelocitySeries& s) {
   constexpr std::size_t most = 4000;  // samples, whose errors of the delay are far below those of the noise
   const std::size_t stride = (s.time.size() + most - 1) / most;
   const double longest = 0.5 * c.motion.duration;
@@ -181,7 +181,7 @@ std::optional<double> delay_of(const Comparison& c, std::size_t joint, const Ser
 }
 
 /// Rms errors in classes of equal ratio over the last three decades of the speed.
-std::vector<ErrorAtSpeed> by_speed(const Series& s) {
+std::vector<ErrorAtSpeed> by_speed(const VelocitySeries& s) {
   constexpr int classes = 18;
   constexpr double decades = 3;
   double largest = 0;
@@ -201,8 +201,10 @@ std::vector<ErrorAtSpeed> by_speed(const Series& s) {
   return all;
 }
 
-/// Bound of the error that the counts make; empty with errors of other sources, or where none is known.
-std::optional<double> bound_of(const Comparison& c, std::size_t row, std::size_t joint, double speed) {
+/// Bound of the error that the counts make; empty with errors of other sources, or where none is known, as of
+/// the timing of edges at a speed that changes between them, or before there are two.
+std::optional<double> bound_of(const ComparedMotion& c, std::size_t row, std::size_t joint,
+                               const VelocitySeries& s) {
   const Transmission& t = c.model.transmission;
   const auto j = static_cast<Eigen::Index>(joint);
   if (row < c.filters.size()) {
@@ -211,7 +213,10 @@ std::optional<double> bound_of(const Comparison& c, std::size_t row, std::size_t
   }
   const EstimatorDesign& d = c.estimators[row - c.filters.size()];
   const bool edges = d.choices.contains("edges") && d.choices.at("edges") == "all";
-  if (!edges || !t.coupling.is_identity()) return std::nullopt;
+  if (!edges || !t.coupling.is_identity() || s.velocity.empty()) return std::nullopt;
+  const auto [slowest, fastest] = std::minmax_element(s.velocity.begin(), s.velocity.end());
+  const double speed = std::abs(s.velocity.front());
+  if (*fastest - *slowest > 1e-9 * speed || s.estimate.front() == 0) return std::nullopt;
   for (const Effect& e : c.effects)
     if (const Stage stage = effect_kind(e.type).stage; stage != Stage::disc && stage != Stage::line)
       return std::nullopt;
@@ -221,14 +226,15 @@ std::optional<double> bound_of(const Comparison& c, std::size_t row, std::size_t
   return std::isfinite(bound) ? std::optional(bound) : std::nullopt;
 }
 
-EstimatedVelocity judged(const Comparison& c, std::size_t row, std::size_t joint, const Series& s) {
+EstimatedVelocity judged(const ComparedMotion& c, std::size_t row, std::size_t joint,
+                         const VelocitySeries& s) {
   EstimatedVelocity r;
   const bool filter = row < c.filters.size();
   r.estimator = filter ? c.filters[row].name : c.estimators[row - c.filters.size()].name;
   r.kind = filter ? "filter" : c.estimators[row - c.filters.size()].kind;
   r.joint = joint;
   r.delay = delay_of(c, joint, s);
-  double square = 0, noise = 0, tracking = 0, fastest = 0;
+  double square = 0, noise = 0, tracking = 0;
   for (std::size_t k = 0; k < s.time.size(); ++k) {
     const double error = s.estimate[k] - s.velocity[k],
                  late = r.delay ? c.path.at(joint, s.time[k] - *r.delay).velocity : s.velocity[k];
@@ -236,14 +242,13 @@ EstimatedVelocity judged(const Comparison& c, std::size_t row, std::size_t joint
     noise += (s.estimate[k] - late) * (s.estimate[k] - late);
     tracking += (late - s.velocity[k]) * (late - s.velocity[k]);
     r.worst = std::max(r.worst, std::abs(error));
-    fastest = std::max(fastest, std::abs(s.velocity[k]));
   }
   const auto count = static_cast<double>(std::max<std::size_t>(s.time.size(), 1));
   r.rms = std::sqrt(square / count);
   r.noise = std::sqrt(noise / count);
   r.tracking = std::sqrt(tracking / count);
   r.by_speed = by_speed(s);
-  r.worst_case = bound_of(c, row, joint, fastest);
+  r.worst_case = bound_of(c, row, joint, s);
   return r;
 }
 
@@ -256,16 +261,16 @@ std::vector<EstimatedVelocity> compare_velocities(const OperationalModel& model,
                                                   double settling, const SimulationOptions& options) {
   const auto samples = static_cast<std::size_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
   const auto first = static_cast<std::size_t>(std::ceil(settling * motion.sample_rate - 1e-9));
-  const Comparison c{model,
-                     filters,
-                     estimators,
-                     motion,
-                     effects,
-                     options,
-                     MotionPath(motion),
-                     model.transmission.coupling.inverse(),
-                     samples,
-                     std::min(first, samples)};
+  const ComparedMotion c{model,
+                         filters,
+                         estimators,
+                         motion,
+                         effects,
+                         options,
+                         MotionPath(motion),
+                         model.transmission.coupling.inverse(),
+                         samples,
+                         std::min(first, samples)};
   for (std::size_t row = 0; row < filters.size(); ++row) c.every(row);  // refuses
   const std::size_t joints = model.chain.independent.size();
   std::vector<Estimates> encoders(joints, Estimates(c.rows()));

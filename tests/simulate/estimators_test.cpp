@@ -62,6 +62,15 @@ TEST(EdgeTiming, ErrsAtConstantSpeedByItsBoundAtMost) {
   EXPECT_FALSE(all[0].delay);  // the speed never changes
 }
 
+TEST(EdgeTiming, HasNoBoundWhereTheSpeedChangesOrTwoEdgesAreStillToCome) {
+  for (const char* motion : {"sines: [{amplitude: 1, frequency: 0.5 Hz}]", "velocity: 0.0001"}) {
+    const std::vector<EstimatedVelocity> all =
+        compared(turntable("e: {kind: edge_timing, clock: 100 kHz}", motion));
+    EXPECT_FALSE(all[0].worst_case) << motion;
+    EXPECT_GT(all[0].worst, 0) << motion;
+  }
+}
+
 TEST(EdgeTiming, OverALineIsNotChangedByUnequalStates) {
   const std::vector<EstimatedVelocity> all =
       compared(turntable("edges: {kind: edge_timing, clock: 100 MHz}, lines: {kind: edge_timing, clock: 100 "

@@ -95,8 +95,8 @@ struct EstimatedVelocity {
   std::optional<double> delay;
   double noise = 0;     ///< rms of the estimate minus the true velocity at that delay
   double tracking = 0;  ///< rms of what the delay alone makes
-  /// Bound of the error that the counts make, of the timing of edges at speeds up to the largest of the
-  /// motion; empty: none is known.
+  /// Bound of the error that the counts make, of the timing of edges at a constant speed; empty: none is
+  /// known.
   std::optional<double> worst_case;
   std::vector<ErrorAtSpeed> by_speed;  ///< in classes of the speed, ascending
 };

@@ -73,9 +73,7 @@ const std::vector<std::string> heads{"joint",        "estimator",  "kind",  "tot
 constexpr const char* legend =
     "total: rms of the estimate minus the true velocity; delay: by which the true velocity fits the estimate "
     "best; by the delay: rms of what it alone makes; noise left: rms about the late velocity; worst: largest "
-    "error; bound: "
-    "proven, "
-    "of what the counts add";
+    "error; bound: proven, of what the counts add to that of the delay";
 
 }  // namespace
 
