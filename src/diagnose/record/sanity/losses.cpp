@@ -24,12 +24,23 @@ struct Loss {
 
 double middle(const Eigen::ArrayXd& x) { return median({x.begin(), x.end()}); }
 
-/// Whether the joint moves on in one direction around a row: at a reversal the play of a gear makes a step.
-bool moves_on(const Eigen::ArrayXd& motion, Eigen::Index k) {
+/// Whether the joint moves on in one direction around a row, and has done so for a distance beyond the step:
+/// the play of a gear makes a step where the joint has moved by the play since a reversal.
+bool moves_on(const Eigen::ArrayXd& motion, Eigen::Index k, double step) {
   const Eigen::ArrayXd path = motion.segment(k - side, 2 * side);
-  const double net = std::abs(path[path.size() - 1] - path[0]);
-  return net > 0.8 * (path.tail(path.size() - 1) - path.head(path.size() - 1)).abs().sum() &&
-         net > side / 4.0;
+  const double net = path[path.size() - 1] - path[0];
+  if (std::abs(net) < side / 4.0 ||
+      std::abs(net) < 0.8 * (path.tail(path.size() - 1) - path.head(path.size() - 1)).abs().sum())
+    return false;
+  const double far = 2 * std::abs(step) + 2, forward = net > 0 ? 1 : -1;
+  double farthest = 0;
+  for (Eigen::Index i = k - side; i >= 0; --i) {
+    const double gone = forward * (motion[k] - motion[i]);
+    if (gone >= far) return true;
+    if (gone < farthest - 1) return false;
+    farthest = std::max(farthest, gone);
+  }
+  return false;
 }
 
 /// Difference of the medians after and before a row.
@@ -51,7 +62,8 @@ std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& m
     const double jump = error[k] - error[k - 1];
     if (std::abs(jump) < 0.5 * least) continue;
     const double step = step_at(error, k);
-    if (std::abs(step) < least || std::abs(jump - step) > 4 * usual + 0.5 || !moves_on(motion, k)) continue;
+    if (std::abs(step) < least || std::abs(jump - step) > 4 * usual + 0.5 || !moves_on(motion, k, step))
+      continue;
     // The medians see the same step from its neighbours.
     const bool again = !losses.empty() && k < losses.back().row + side;
     if (again && std::abs(jump) <= std::abs(losses.back().jump)) continue;
