@@ -97,16 +97,22 @@ TipSolution TipModel::trial(const std::vector<std::size_t>& without, const Eigen
     x.rightCols(extra.cols()) = extra;
   }
   const double least = std::max({0.5 * evidence_->noise, 0.3 * evidence_->log_resolution, 1e-9});
-  return solve(x, y_, known_, least);
+  return solve(x, y_, known_, least, solution_.sigma > 0 ? std::optional(solution_.sigma) : std::nullopt);
+}
+
+TipModel::Projection TipModel::projection(const std::vector<std::size_t>& without) const {
+  Projection p{all_columns(without), {}, {}};
+  p.weighted = solution_.weight.asDiagonal() * p.columns;
+  p.inverse = NormalInverse(p.columns.transpose() * p.weighted).inverse;
+  return p;
 }
 
 Eigen::MatrixXd TipModel::beyond(const std::vector<std::size_t>& without,
                                  const Eigen::MatrixXd& columns) const {
-  const Eigen::MatrixXd present = all_columns(without);
-  if (present.cols() == 0) return columns;
-  const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * present;
-  const NormalInverse normal(present.transpose() * weighted);
-  Eigen::MatrixXd left = columns - present * (normal.inverse * (weighted.transpose() * columns));
+  const Projection other = without.empty() ? Projection{} : projection(without);
+  const Projection& p = without.empty() ? *projection_ : other;
+  if (p.columns.cols() == 0) return columns;
+  Eigen::MatrixXd left = columns - p.columns * (p.inverse * (p.weighted.transpose() * columns));
   const Eigen::VectorXd root = solution_.weight.cwiseSqrt();
   for (Eigen::Index i = 0; i < left.cols(); ++i)
     if (root.cwiseProduct(left.col(i)).norm() < negligible * root.cwiseProduct(columns.col(i)).norm())
@@ -347,6 +353,7 @@ void TipModel::fit() {
     move_frames();
     if (moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2))) break;
   }
+  projection_ = std::make_shared<const Projection>(projection({}));
 }
 
 /// Quantization errors of all encoders in every row, for one draw of their sub-count phases, less their mean.

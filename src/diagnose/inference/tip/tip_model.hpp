@@ -91,6 +91,12 @@ class TipModel {
   Eigen::MatrixXd in_base(const Eigen::VectorXd& entries) const;
 
  private:
+  /// On nuisance and terms, with the weights of the solution.
+  struct Projection {
+    Eigen::MatrixXd columns, weighted, inverse;
+  };
+
+  Projection projection(const std::vector<std::size_t>& without) const;
   void update_estimate();
   void find_second_order();
   void linearize();
@@ -115,7 +121,8 @@ class TipModel {
   Eigen::MatrixXd nuisance_;
   std::vector<Eigen::MatrixXd> term_columns_;
   TipSolution solution_;
-  Eigen::MatrixXd surrogates_;  ///< quantization errors at the tip, one column a draw [m]
+  std::shared_ptr<const Projection> projection_;  ///< of all terms, at the last fit; shared by copies
+  Eigen::MatrixXd surrogates_;                    ///< quantization errors at the tip, one column a draw [m]
 };
 
 }  // namespace qerr

@@ -184,15 +184,38 @@ void reshape(TipModel& model, std::size_t term) {
 
 double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
 
-/// Backward elimination of terms, the least significant first, until none is left.
+/// The log-likelihood that is lost without a term at the solution's weights: exact to second order.
+double quadratic_loss(const TipModel& model, std::size_t term) {
+  const Eigen::Index at = model.position(term), size = model.terms()[term].size();
+  const Eigen::VectorXd theta = model.solution().theta.segment(at, size);
+  const NormalInverse information(model.solution().covariance.block(at, at, size, size));
+  return 0.5 * theta.dot(information.inverse * theta);
+}
+
+/// Backward elimination of terms, the least significant first, until none is left. Of many terms only those
+/// are tried whose loss is least to second order.
 void prune(TipModel& model) {
+  constexpr std::size_t tried = 4;
+  struct Removal {
+    double worth;  // to second order
+    std::size_t term;
+    double correlated, cost;
+  };
   for (;;) {
+    std::vector<Removal> order;
+    for (std::size_t i = 0; i < model.terms().size(); ++i) {
+      const double correlated = variance_inflation(model, i), cost = price(model, model.terms()[i].size());
+      order.push_back({quadratic_loss(model, i) / correlated - cost, i, correlated, cost});
+    }
+    std::sort(order.begin(), order.end(),
+              [](const Removal& a, const Removal& b) { return a.worth < b.worth; });
+    if (order.size() > tried) order.resize(tried);
     std::optional<std::size_t> least;
     double lowest = better_by;
-    for (std::size_t i = 0; i < model.terms().size(); ++i) {
-      const double lost = model.solution().log_likelihood - model.trial({i}, {}).log_likelihood;
-      const double worth = lost / variance_inflation(model, i) - price(model, model.terms()[i].size());
-      if (worth < lowest) lowest = worth, least = i;
+    for (const Removal& r : order) {
+      const double lost = model.solution().log_likelihood - model.trial({r.term}, {}).log_likelihood;
+      const double worth = lost / r.correlated - r.cost;
+      if (worth < lowest) lowest = worth, least = r.term;
     }
     if (!least) return;
     model.remove(*least);

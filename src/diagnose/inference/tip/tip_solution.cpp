@@ -14,8 +14,16 @@ constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix
 
 double log_likelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma) {
   const Eigen::ArrayXd variance = known.array() + sigma * sigma;
-  return -0.5 * (variance.log() + residual.array().square() / variance).sum() -
-         0.5 * static_cast<double>(residual.size()) * std::log(2 * std::numbers::pi);
+  // Logarithms of four factors at a time, which lie between 1 and some 1e18.
+  const Eigen::ArrayXd ratio = variance / (sigma * sigma);
+  const Eigen::Index quarter = ratio.size() / 4;
+  const double logarithms = (ratio.head(quarter) * ratio.segment(quarter, quarter) *
+                             ratio.segment(2 * quarter, quarter) * ratio.segment(3 * quarter, quarter))
+                                .log()
+                                .sum() +
+                            ratio.tail(ratio.size() - 4 * quarter).log().sum();
+  return -0.5 * (logarithms + (residual.array().square() / variance).sum()) -
+         static_cast<double>(residual.size()) * (std::log(sigma) + 0.5 * std::log(2 * std::numbers::pi));
 }
 
 /// Uphill in sigma, by smaller and smaller factors. Each move raises the likelihood, so that no sigma comes
@@ -50,11 +58,11 @@ NormalInverse::NormalInverse(const Eigen::MatrixXd& matrix) {
 }
 
 TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
-                  double least) {
+                  double least, std::optional<double> start) {
   TipSolution s;
   s.residual = y;
   s.theta = Eigen::VectorXd::Zero(x.cols());
-  s.sigma = std::max(least, std::sqrt(y.squaredNorm() / static_cast<double>(y.size())));
+  s.sigma = std::max(least, start ? *start : std::sqrt(y.squaredNorm() / static_cast<double>(y.size())));
   for (int i = 0; i < 12; ++i) {
     s.weight = (known.array() + s.sigma * s.sigma).inverse().matrix();
     if (x.cols() > 0) {

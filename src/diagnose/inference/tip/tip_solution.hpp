@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace qerr {
 
@@ -26,8 +27,9 @@ struct TipSolution {
 };
 
 /// @param known  variances of the entries beside sigma^2 [m^2]
-/// @param least  of sigma [m]
+/// @param least  of sigma, above 0 [m]
+/// @param start  of the search for sigma, such as that of a similar X [m]; without it the rms of y
 TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
-                  double least);
+                  double least, std::optional<double> start = {});
 
 }  // namespace qerr
