@@ -26,6 +26,8 @@ def main():
         return 77
     with tempfile.TemporaryDirectory() as temporary:
         bench = Bench(qerr, None, pathlib.Path(temporary))
+        log = bench.folder / "log.csv"
+        log.write_text("".join(log.read_text().splitlines(keepends=True)[:300]))  # valgrind is some forty times slower
         for command, outputs in commands():
             words = bench.words(command, outputs)
             ran = subprocess.run([valgrind, "--quiet", f"--error-exitcode={FOUND}", *words], cwd=bench.folder, capture_output=True, timeout=300)
