@@ -143,7 +143,7 @@ def check_sweep_lines(t, qerr, name, spec, key, *more):
             wanted = []
             for keys, value in values.items():
                 others = ", ".join(f"{k} = {worded(v, units.get(k))}" for k, v in keys if k != key) or "all variants"
-                if others == series:
+                if others in series.split("; "):
                     wanted.append((dict(keys)[key], value))
             points = line(figure, series)
             every = set((float(f"{x:.6g}"), float(f"{y:.6g}")) for x, y in wanted)

@@ -29,9 +29,9 @@ std::string side_text(const NamedFigures& f) {
 bool has_bar(const std::optional<double>& value) { return value && std::isfinite(*value) && *value >= 0; }
 
 std::string pair_of_bars(const FigureChange& f) {
-  page::Bars bars{f.figure.name(), "The figure before (A) and after (B).", {}};
+  page::Bars bars{f.figure.name(), "The figure before (A) and after (B).", {}, {"", f.figure.unit}};
   bars.bars.push_back({"A", *f.a, readable(*f.a, f.figure.unit)});
-  bars.bars.push_back({"B", *f.b, readable(*f.b, f.figure.unit) + " (" + change_text(f) + ")"});
+  bars.bars.push_back({"B", *f.b, readable(*f.b, f.figure.unit) + " (" + change_text(f) + ")", {}, 1});
   return figure(bars);
 }
 
@@ -109,7 +109,7 @@ std::string share_section(const ReportComparison& c) {
   for (const ShareChange& s : c.shares) {
     if (bars.bars.size() >= 2 * most_pictures) break;
     if (has_bar(s.a)) bars.bars.push_back({s.encoder + ", A", *s.a, percent(*s.a)});
-    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b)});
+    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b), {}, 1});
   }
   return bars.bars.empty() ? "<p>Not in both reports.</p>" : figure(bars);
 }

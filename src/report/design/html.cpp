@@ -123,7 +123,8 @@ std::string price_section(const DesignReport& r) {
   page::Bars bars{by_bits(r) ? "Bits with one requirement relaxed" : "Price with one requirement relaxed",
                   "The least that a design costs if the limit is looser by the part that is stated; the "
                   "first bar is the optimum.",
-                  {}};
+                  {},
+                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
   const Design& d = *r.optimal;
   const double optimum = by_bits(r) ? d.bits : d.price.value_or(0);
   bars.bars.push_back({"as required", optimum, cost_of(r, d.price, d.bits)});
@@ -177,7 +178,7 @@ page::Page feasible_page(const DesignReport& r) {
 std::string to_html(const DesignReport& r, const Style&) {
   page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
   page.warnings = r.warnings;
-  describe(page, r.spec, std::nullopt);
+  describe(page, r.spec, r.optimal ? std::optional(r.optimal->results) : std::nullopt);
   return markup(page);
 }
 
