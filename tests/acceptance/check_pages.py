@@ -215,6 +215,9 @@ def check_filters(t, qerr, spec):
         figure = drawn[f"Noise against delay, derivative {f['derivative']}"]
         t.check(f"{name}: {f['name']} at its delay and norm",
                 marks(figure, f["name"]) == [(f["group_delay_s"], f["h2_norm"])])
+        slow = [p for p in line(drawn[f"Phase of {f['name']}"], "filter") if p[0] < 0.01 * f["bandwidth_hz"] * 2]
+        t.check(f"{name}: the phase of {f['name']} is that of its delay at low frequencies",
+                slow and all(close(y, -360 * x * f["group_delay_s"], 0.02) for x, y in slow), str(slow[:3]))
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "impulse.csv"
             run(qerr, "filter", spec, "--impulse", file, "--quiet")

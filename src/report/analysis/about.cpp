@@ -74,7 +74,7 @@ std::string requirement_table(const Spec& spec, const std::vector<RequirementRes
 std::string requirement_list(const Spec& spec) {
   std::vector<std::string> lines;
   for (const Requirement& r : spec.requirements) lines.push_back(name_markup(limited(r)));
-  lines.emplace_back("not judged on this page: qerr check");
+  lines.emplace_back("the spec itself is judged by qerr check");
   return listed(lines);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "qerr/report/comparison.hpp"
+#include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 #include "report/page/bars.hpp"
@@ -23,6 +24,18 @@ std::string side_text(const NamedFigures& f) {
   for (std::size_t i = 0; i < f.changes.size(); ++i)
     text += (i ? ", " : " with ") + page::isolated(f.changes[i]);
   return text;
+}
+
+/// Title block of both sides.
+std::string sides(const ReportComparison& c) {
+  const auto side = [](const std::string& name, const NamedFigures& f) {
+    std::string text = page::escaped_markup(side_text(f));
+    for (const std::string& more : {f.robot, f.sample})
+      if (!more.empty()) text += "<br/>" + page::name_markup(more);
+    return "<dt>" + name + "</dt><dd>" + text + "</dd>";
+  };
+  return "<div class=\"head\"><dl class=\"about\">" + side("A (before)", c.a) + side("B (after)", c.b) +
+         "<dt>Compared by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
 }
 
 /// Bars start at zero: what is unbounded or negative has none.
@@ -134,16 +147,16 @@ std::string to_html(const ReportComparison& c, const Style&) {
   const std::vector<FigureChange> notable = notable_figures(c);
   std::string sentence = comparison_sentence(c);
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-  return markup(page::Page{
+  page::Page page{
       "Comparison of two reports",
       sentence + ".",
-      {{"What is compared", "<p>A (before): " + page::escaped_markup(side_text(c.a)) +
-                                "</p><p>B (after): " + page::escaped_markup(side_text(c.b)) + "</p>"},
-       {"Requirements", requirement_section(c)},
+      {{"Requirements", requirement_section(c)},
        {"Before and after", figure_pictures(notable)},
        {"Shares of the encoders", share_section(c)},
        {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)}},
-      c.warnings});
+      c.warnings};
+  page.about = sides(c);
+  return markup(page);
 }
 
 }  // namespace qerr
