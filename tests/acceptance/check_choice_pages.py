@@ -10,7 +10,7 @@ import re
 import tempfile
 import xml.etree.ElementTree as Xml
 
-from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, marks, page
+from check_pages import CONFIGS, HTML, LARGEST, SVG, close, figures, marks, page
 from tool import program_and_tally, run
 
 HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
@@ -246,6 +246,8 @@ def check_design(t, qerr, folder):
     prices = list(bars(drawn["Price with one requirement relaxed"]).values())
     t.check("design: prices of requirements as in JSON",
             prices == [optimum["price"]] + [p["price"] for p in found["price_of_requirements"]])
+    paid = bars(drawn["Price of each joint"])
+    t.check("design: what each joint pays adds up to the price", len(paid) == len(optimum["encoders"]) and close(sum(paid.values()), optimum["price"]), str(paid))
     used = list(bars(drawn["Part of the limit that is used"]).values())
     t.check("design: use of the limits as in JSON", used == [1] + [r["value"] / r["at_most"] for r in optimum["requirements"]])
     cells = [c.text if c.find(HTML + "bdi") is None else c.find(HTML + "bdi").text for c in root.iter(HTML + "td")]

@@ -23,7 +23,16 @@ std::string encoder_table(const DesignReport& r, const Design& d) {
   std::vector<std::vector<std::string>> rows;
   for (const DesignedEncoder& e : d.encoders)
     rows.push_back({e.joint, e.name, priced(e.price, r.price_unit), fixed_point(e.bits, 2)});
-  return page::table({"joint", "encoder", "price", "bits at the joint"}, rows);
+  page::Bars bars{by_bits(r) ? "Bits of each joint" : "Price of each joint",
+                  "What each joint takes of the sum.",
+                  {},
+                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
+  for (const DesignedEncoder& e : d.encoders)
+    if (by_bits(r) || e.price)
+      bars.bars.push_back({e.joint + ": " + e.name, by_bits(r) ? e.bits : *e.price,
+                           by_bits(r) ? bits_text(e.bits) : priced(e.price, r.price_unit)});
+  const std::string rows_table = page::table({"joint", "encoder", "price", "bits at the joint"}, rows);
+  return bars.bars.empty() ? rows_table : page::side_by_side("<div>" + rows_table + "</div>" + figure(bars));
 }
 
 std::string filter_paragraphs(const Design& d) {

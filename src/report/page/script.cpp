@@ -425,8 +425,8 @@ function scene(box) {
   }
   function drawLink(a, b) {
     const width = Math.max(6, perMetre * radius * .055);
-    g.lineCap = 'round';
     path([a, b]); stroke(css('--soft'), width + 2);
+    g.lineCap = 'round';  // over the edges of the piece before
     path([a, b]); stroke(css('--grid'), width);
     g.lineCap = 'butt';
   }

@@ -50,7 +50,7 @@ details{margin:1rem 0}summary{cursor:pointer}
 .scene{display:grid;grid-template-columns:minmax(0,1fr) 17rem;gap:1rem}@media(max-width:56rem){.scene{grid-template-columns:minmax(0,1fr)}}
 .scene canvas{display:block;width:100%;height:min(34rem,110vw);border:1px solid var(--grid);border-radius:8px;background:var(--card);cursor:grab;touch-action:pan-y}
 .panel{display:flex;flex-direction:column;gap:.5rem;font-size:.9rem;min-width:0}.panel label{display:block}.panel select,.panel input[type=range]{width:100%;box-sizing:border-box;margin:0}
-.panel .boxes{display:flex;flex-wrap:wrap;gap:.1rem .8rem}.panel table{font-size:.8rem;width:100%}.panel td,.panel th{padding:.1rem .2rem}.panel th:first-child,.panel td:first-child{min-width:0;overflow-wrap:normal;white-space:nowrap}.panel output{color:var(--ink);min-height:0}
+.panel .boxes{display:flex;flex-wrap:wrap;gap:.1rem .8rem}.panel table{font-size:.8rem;width:100%}.panel td,.panel th{padding:.1rem .2rem}.panel th:first-child,.panel td:first-child{min-width:0;overflow-wrap:normal;white-space:nowrap}.panel output{color:var(--ink);min-height:0;flex:none}
 @media(max-width:30rem){body{padding:.6rem}.head,section{padding:.6rem .7rem}th,td{padding:.2rem .35rem}.about{grid-template-columns:1fr}.about dd{margin-bottom:.3rem}}
 .flat{display:none}
 @media (prefers-color-scheme:dark){:root{--ink:#e9ecf1;--soft:#a9b2bf;--paper:#13161b;--card:#1a1e25;--grid:#343a44;--c0:#56b4e9;--c1:#f08a3c;--c2:#35c79b;--c3:#dd92bd;--c4:#e0c341;--bad:#ff8a80;--good:#5fd39c}}
