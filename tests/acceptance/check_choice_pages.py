@@ -10,7 +10,7 @@ import re
 import tempfile
 import xml.etree.ElementTree as Xml
 
-from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, marks, page
+from check_pages import CONFIGS, HTML, LARGEST, SVG, close, figures, marks, page
 from tool import program_and_tally, run
 
 HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
@@ -143,7 +143,7 @@ def check_sweep_lines(t, qerr, name, spec, key, *more):
             wanted = []
             for keys, value in values.items():
                 others = ", ".join(f"{k} = {worded(v, units.get(k))}" for k, v in keys if k != key) or "all variants"
-                if others == series:
+                if others in series.split("; "):
                     wanted.append((dict(keys)[key], value))
             points = line(figure, series)
             every = set((float(f"{x:.6g}"), float(f"{y:.6g}")) for x, y in wanted)
@@ -170,6 +170,7 @@ def check_sweeps(t, qerr, folder):
     faulty = (*few, "--set", f"sweep=[{{key: {cutoff}, values: [10 Hz, 100 Hz, 1 MHz]}}]")
     root, _ = check_sweep_lines(t, qerr, "sweep with an error", CONFIGS / "scara/spec.yaml", cutoff, *faulty)
     t.check("sweep with an error: said", "1 variant cannot be computed or judged" in text_of(root))
+    check_matrix(t, qerr, few)
     check_bars(t, qerr, few)
     check_long_sweep(t, qerr)
 
@@ -185,6 +186,25 @@ def check_bars(t, qerr, few):
         for caption, figure in figures(root).items():
             wanted = {", ".join(f"{k} = {worded(v, None)}" for k, v in keys): value for keys, value in swept(found, caption).items()}
             t.check(f"sweep of {name}: {caption} as in JSON", bars(figure) == wanted, f"{bars(figure)} for {wanted}")
+
+
+def check_matrix(t, qerr, few):
+    """Two keys: a cell for each pair, crossed where the requirement is missed."""
+    cutoff = "filters.velocity.lowpass.cutoff"
+    arguments = (CONFIGS / "scara/spec.yaml", *few, "--set",
+                 f"sweep=[{{key: encoders.*.bits, values: [12, 16]}}, {{key: {cutoff}, values: [10 Hz, 80 Hz]}}]")
+    root, found = page(t, qerr, "sweep of two keys", "sweep", *arguments), report(qerr, "sweep", *arguments)
+    tables = [x for x in root.iter(HTML + "table") if x.get("class") == "matrix"]
+    t.check("sweep of two keys: a matrix of each figure", len(tables) == len(figures(root)), str(len(tables)))
+    for table, caption in zip(tables, figures(root)):
+        cells = [" ".join("".join(c.itertext()).split()) for c in table.iter(HTML + "td")]
+        values = swept(found, caption)
+        ordered = [values[keys] for keys in sorted(values, key=lambda k: (dict(k)[cutoff], dict(k)["encoders.*.bits"]))]
+        digits = [re.search(r"[\d.]+", c)[0].replace(".", "").lstrip("0")[:3].ljust(3, "0") for c in cells]
+        t.check(f"sweep of two keys: {caption} as in JSON", digits == [f"{v:.2e}"[:4].replace(".", "") for v in ordered], f"{cells} {ordered}")
+        limits = [r for r in found["variants"][0].get("requirements", []) if f"{r['quantity']} {r.get('statistic', '')}".strip() == caption]
+        for r in limits:
+            t.check(f"sweep of two keys: {caption} crossed", [c.startswith("\u2717") for c in cells] == [v > r["at_most"] for v in ordered], str(cells))
 
 
 def check_long_sweep(t, qerr):
@@ -226,6 +246,8 @@ def check_design(t, qerr, folder):
     prices = list(bars(drawn["Price with one requirement relaxed"]).values())
     t.check("design: prices of requirements as in JSON",
             prices == [optimum["price"]] + [p["price"] for p in found["price_of_requirements"]])
+    paid = bars(drawn["Price of each joint"])
+    t.check("design: what each joint pays adds up to the price", len(paid) == len(optimum["encoders"]) and close(sum(paid.values()), optimum["price"]), str(paid))
     used = list(bars(drawn["Part of the limit that is used"]).values())
     t.check("design: use of the limits as in JSON", used == [1] + [r["value"] / r["at_most"] for r in optimum["requirements"]])
     cells = [c.text if c.find(HTML + "bdi") is None else c.find(HTML + "bdi").text for c in root.iter(HTML + "td")]

@@ -1,5 +1,7 @@
 """Reads pages: their figures, lines, marks and pictures, and what a browser makes of them."""
 import base64
+import html
+import os
 import pathlib
 import re
 import shutil
@@ -54,26 +56,64 @@ def decoded(image):
     return width, height, [rows[r * (width + 1) + 1:(r + 1) * (width + 1)] for r in range(height)]
 
 
-# Appended to a copy of the page: it writes what was loaded, also in vain, and what the page says at the pointer.
-TELL = """<script>addEventListener("load",function(){setTimeout(function(){
-function write(id,text){var p=document.createElement("pre");p.id=id;p.textContent=text;document.body.appendChild(p)}
-write("requests",performance.getEntriesByType("resource").map(function(e){return e.name}).join(" "));
-var map=document.querySelector("image[data-span]"),box=map.getBoundingClientRect();
+# Appended to a copy of the page: it writes what was loaded, also in vain, what the page says at the pointer, what keys do, and
+# what a checker of accessibility finds, if there is one.
+TELL = """<script>addEventListener("load",()=>setTimeout(async()=>{
+const write=(id,text)=>{const p=document.createElement("pre");p.id=id;p.textContent=text;document.body.appendChild(p)};
+write("requests",performance.getEntriesByType("resource").map(e=>e.name).join(" "));
+write("width",document.documentElement.scrollWidth-innerWidth);
+const map=document.querySelector("image[data-span]");
+if(map){const box=map.getBoundingClientRect();
 map.ownerSVGElement.dispatchEvent(new PointerEvent("pointermove",{clientX:box.left+0.503*box.width,clientY:box.top+0.503*box.height}));
-write("pointer",map.closest("figure").querySelector("output").textContent)},300)})</script>"""
+write("pointer",map.closest("figure").querySelector("output").textContent)}
+const press=(item,...keys)=>keys.forEach(key=>item.dispatchEvent(new KeyboardEvent("keydown",{key,bubbles:true}))),keys={};
+const canvas=document.querySelector("canvas"),said=()=>canvas.parentNode.querySelector("output").textContent;
+if(canvas){keys.largest=said();press(canvas,"p");keys.previous=said();press(canvas,"n");keys.back=said();
+press(canvas,"ArrowLeft");keys.turned=canvas.getAttribute("data-view");press(canvas,"+");keys.closer=canvas.getAttribute("data-view");
+press(canvas,"0");keys.reset=canvas.getAttribute("data-view")}
+const line=Array.from(document.querySelectorAll("figure [data-points]")).find(l=>l.getBoundingClientRect().width);
+if(line){const svg=line.ownerSVGElement,figure=svg.closest("figure"),ticks=()=>Array.from(svg.querySelectorAll(".axes .tick"),t=>t.textContent).join(" ");
+press(svg,"ArrowRight","ArrowRight");keys.value=figure.querySelector("output").textContent;keys.point=line.getAttribute("data-points").split(" ")[1];
+keys.whole=[line.getAttribute("d"),ticks()];press(svg,"+");keys.zoomed=[line.getAttribute("d"),ticks()];press(svg,"0");keys.again=[line.getAttribute("d"),ticks()];
+const key=figure.querySelector(".legend button");if(key){key.click();keys.off=line.closest("[data-series]").style.display;key.click();keys.on=line.closest("[data-series]").style.display}}
+write("keys",JSON.stringify(keys));
+if(window.axe)write("axe",JSON.stringify((await axe.run(document,{resultTypes:["violations"]})).violations.map(v=>[v.impact,v.id,v.nodes[0].html.slice(0,200)])))
+},300))</script>"""
 
 
-def shown(folder, text):
+def axe_core():
+    """The script of axe-core, which npm installs: of $AXE_CORE, or beside npm's global packages; None without it."""
+    places = [os.environ.get("AXE_CORE", ""), "/usr/lib/node_modules/axe-core/axe.min.js", "/usr/local/lib/node_modules/axe-core/axe.min.js"]
+    return next((pathlib.Path(p).read_text() for p in places if p and pathlib.Path(p).is_file()), None)
+
+
+def written(dom, name):
+    """What TELL wrote."""
+    found = re.search(f'<pre id="{name}">(.*?)</pre>', dom, re.S)
+    return found and html.unescape(found[1])
+
+
+def printed_pages(folder, text, size):
+    """Pages on paper of a size that CSS names."""
+    file, made = pathlib.Path(folder) / "printed.html", pathlib.Path(folder) / "printed.pdf"
+    file.write_text(text.replace("@page{", f"@page{{size:{size};", 1))
+    subprocess.run([CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
+                    f"--user-data-dir={folder}/profile", "--virtual-time-budget=2000", f"--print-to-pdf={made}", file.as_uri()],
+                   capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
+    return max(int(n) for n in re.findall(rb"/Count (\d+)", made.read_bytes()))
+
+
+def shown(folder, text, width=1280, checker=None):
     """The browser's messages, the page's requests, its words at the pointer and its DOM."""
     file = pathlib.Path(folder) / "shown.html"
-    file.write_text(text.replace("</body>", TELL + "</body>"))
+    more = f"<script>{checker}</script>" if checker else ""
+    file.write_text(text.replace("<head>", "<head>" + more, 1).replace("</body>", TELL + "</body>"))
     command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
-               f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--virtual-time-budget=2000",
+               f"--user-data-dir={folder}/profile", "--enable-logging=stderr", f"--virtual-time-budget={20000 if checker else 2000}", f"--window-size={width},900",
                "--dump-dom", file.as_uri()]
     made = subprocess.run(command, capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
     dom = made.stdout.decode()
     messages = [line for line in made.stderr.decode(errors="replace").splitlines() if "CONSOLE" in line]
-    told = re.search('<pre id="requests">(.*?)</pre>', dom, re.S)
-    sent = None if told is None else [url for url in told[1].split() if not url.startswith("data:")]
-    pointer = re.search('<pre id="pointer">(.*?)</pre>', dom, re.S)
-    return messages, sent, pointer and pointer[1], dom
+    told = written(dom, "requests")
+    sent = None if told is None else [url for url in told.split() if not url.startswith("data:")]
+    return messages, sent, written(dom, "pointer"), dom

@@ -50,21 +50,31 @@ std::string encoders_of(const Spec& spec) {
   return listed(lines);
 }
 
-std::string requirements_of(const Spec& spec, const std::optional<std::vector<RequirementResult>>& results) {
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < spec.requirements.size(); ++i) {
+/// A verdict as a word and a sign beside its colour.
+std::string drawn_verdict(const RequirementResult& r) {
+  return r.met         ? "<span class=\"verdict met\">\u2713 met</span>"
+         : r.undecided ? "<span class=\"verdict open\">? not proven</span>"
+                       : "<span class=\"verdict failed\">\u2717 not met</span>";
+}
+
+std::string requirement_table(const Spec& spec, const std::vector<RequirementResult>& results) {
+  std::string out = "<div class=\"wide\"><table class=\"verdicts\"><thead><tr>";
+  for (const char* head : {"verdict", "requirement", "value", "margin"})
+    out += std::string("<th scope=\"col\">") + head + "</th>";
+  out += "</tr></thead><tbody>";
+  for (std::size_t i = 0; i < results.size(); ++i) {
     const Requirement& r = spec.requirements[i];
-    std::string line = name_markup(limited(r));
-    if (results && i < results->size()) {
-      const RequirementResult& result = (*results)[i];
-      line = (result.met
-                  ? "met: "
-                  : "<strong>" + std::string(result.undecided ? "not proven" : "not met") + "</strong>: ") +
-             line + ", is " + escaped_markup(readable(result.value, r.unit));
-    }
-    lines.push_back(line);
+    out += "<tr><td>" + drawn_verdict(results[i]) + "</td><td>" + name_markup(limited(r)) + "</td><td>" +
+           escaped_markup(readable(results[i].value, r.unit)) + "</td><td>" +
+           escaped_markup(margin_text(r, results[i])) + "</td></tr>\n";
   }
-  if (!lines.empty() && !results) lines.emplace_back("not judged on this page: qerr check");
+  return out + "</tbody></table></div>\n";
+}
+
+std::string requirement_list(const Spec& spec) {
+  std::vector<std::string> lines;
+  for (const Requirement& r : spec.requirements) lines.push_back(name_markup(limited(r)));
+  lines.emplace_back("the spec itself is judged by qerr check");
   return listed(lines);
 }
 
@@ -73,12 +83,16 @@ std::string requirements_of(const Spec& spec, const std::optional<std::vector<Re
 void describe(Page& page, const Spec& spec, const std::optional<std::vector<RequirementResult>>& results) {
   page.spec_file = spec.file;
   page.spec_text = spec.text;
-  std::string rows = term("Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12) +
-                                      ", qerr " + std::string(version()));
-  if (!spec.overrides.empty()) rows += term("Changed by --set", overrides_of(spec));
-  rows += term("Encoders", encoders_of(spec));
-  if (!spec.requirements.empty()) rows += term("Requirements", requirements_of(spec, results));
-  page.about = "<dl class=\"about\">" + rows + "</dl>\n";
+  std::string rows = term("Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12)) +
+                     term("Changed by --set", spec.overrides.empty() ? "nothing" : overrides_of(spec)) +
+                     term("Encoders", encoders_of(spec));
+  if (spec.requirements.empty())
+    rows += term("Requirements", "none in the spec");
+  else if (!results)
+    rows += term("Requirements", requirement_list(spec));
+  rows += term("Computed by", "qerr " + std::string(version()));
+  page.about = "<div class=\"head\"><dl class=\"about\">" + rows + "</dl>\n" +
+               (results && !results->empty() ? requirement_table(spec, *results) : "") + "</div>\n";
 }
 
 Bars use_of_limits(const std::vector<Requirement>& requirements,
@@ -86,10 +100,12 @@ Bars use_of_limits(const std::vector<Requirement>& requirements,
   Bars bars{"Part of the limit that is used",
             "The value over the limit; for a lower limit the limit over the value. A requirement is "
             "met up to 100 %.",
-            {{"the limit", 1, percent(1)}}};
+            {{"the limit", 1, percent(1)}},
+            {"", "%"},
+            1};
   for (std::size_t i = 0; i < results.size(); ++i)
     if (const auto part = part_of_limit(requirements[i], results[i]))
-      bars.bars.push_back({requirements[i].name(), *part, percent(*part)});
+      bars.bars.push_back({requirements[i].name(), *part, percent(*part), {}, *part > 1 ? 1 : 0});
   return bars;
 }
 

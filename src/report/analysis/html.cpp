@@ -14,15 +14,53 @@ namespace qerr {
 
 namespace {
 
-/// The first figures of the tip, and the encoder to improve.
-std::string answer(const Analysis& a) {
-  std::string text;
+/// Standard deviation of the position: of |(x, y, z)| [m]; empty without all three.
+std::optional<double> position_sigma(const Analysis& a, const Eigen::MatrixXd& covariance) {
+  const std::vector<Coordinate>& all = a.spec.model.coordinates;
+  double sum = 0;
+  int found = 0;
+  for (std::size_t i = 0; i < all.size() && static_cast<Eigen::Index>(i) < covariance.rows(); ++i)
+    if (is_position(all[i]))
+      sum += covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)), ++found;
+  return found == 3 && std::isfinite(sum) ? std::optional(std::sqrt(sum)) : std::nullopt;
+}
+
+/// The error of xyz, or the first figures of the tip if it has no such three.
+std::string tip_sentence(const Analysis& a) {
+  std::string text = "Over " + counted(a.workspace.count, "configuration") + " the tip's ";
+  const auto mean = position_sigma(a, a.workspace.mean_covariance),
+             most = position_sigma(a, a.workspace.covariance_at_largest);
+  if (mean && most)
+    return text + "position xyz has a sigma of " + readable(*mean, "m") + " rms, and of " +
+           readable(*most, "m") + " where it is largest";
+  bool said = false;
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
-    if (!text.empty() || name.bound != "worst_case") return;
-    text = "Over " + std::to_string(a.workspace.count) + " configurations the tip's " +
-           std::string(name.coordinate) + " is off by at most " + readable(s.max, name.shown_unit) +
-           ", at the median by " + readable(s.p50, name.shown_unit);
+    if (said || name.bound != "worst_case") return;
+    said = true;
+    text += std::string(name.coordinate) + " is off by at most " + readable(s.max, name.shown_unit) +
+            ", at the median by " + readable(s.p50, name.shown_unit);
   });
+  return text;
+}
+
+/// The first requirement that is not met, else the first.
+std::string requirement_sentence(const Spec& spec, const std::vector<RequirementResult>& results) {
+  if (results.empty()) return "";
+  std::size_t i = 0;
+  for (std::size_t k = results.size(); k-- > 0;)
+    if (!results[k].met) i = k;
+  const std::string kept = margin_text(spec.requirements[i], results[i]);
+  return "; " + page::isolated(limited(spec.requirements[i])) + " is " +
+         (results[i].met         ? "met"
+          : results[i].undecided ? "not proven"
+                                 : "not met") +
+         " with " + readable(results[i].value, spec.requirements[i].unit) +
+         (kept.empty() ? "" : ", a margin of " + kept);
+}
+
+/// The error of the tip, the first requirement, and the encoder to improve.
+std::string answer(const Analysis& a, const std::optional<std::vector<RequirementResult>>& results) {
+  std::string text = tip_sentence(a) + (results ? requirement_sentence(a.spec, *results) : "");
   const std::vector<double> budget = encoder_budget(a);
   const auto largest = std::max_element(budget.begin(), budget.end());
   if (largest != budget.end() && *largest > 0)
@@ -62,16 +100,17 @@ std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
 
 std::string to_html(const Analysis& a, const Style&) {
   const ConfigurationSample sample = configuration_sample(a);
+  const auto results = verdicts_of(a);
   page::Page page{
       "Accuracy of " + a.spec.robot_name,
-      answer(a),
-      {{"Error budget of the encoders", budget_figures(a)},
-       {"The robot where its position is least certain, and where it is as usual", robot_figures(a, sample)},
-       {"Error over the workspace", workspace_figures(a, sample)},
+      answer(a, results),
+      {{"The robot where its position is least certain, and where it is as usual", robot_figures(a, sample)},
+       {"Error budget of the encoders", budget_figures(a)},
        {"Distribution over the configurations", distribution_figures(a, sample)},
+       {"Error over the workspace", workspace_figures(a, sample)},
        {"All figures", summary(a)}},
       a.warnings};
-  describe(page, a.spec, verdicts_of(a));
+  describe(page, a.spec, results);
   return markup(page);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "qerr/report/comparison.hpp"
+#include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 #include "report/page/bars.hpp"
@@ -25,13 +26,25 @@ std::string side_text(const NamedFigures& f) {
   return text;
 }
 
+/// Title block of both sides.
+std::string sides(const ReportComparison& c) {
+  const auto side = [](const std::string& name, const NamedFigures& f) {
+    std::string text = page::escaped_markup(side_text(f));
+    for (const std::string& more : {f.robot, f.sample})
+      if (!more.empty()) text += "<br/>" + page::name_markup(more);
+    return "<dt>" + name + "</dt><dd>" + text + "</dd>";
+  };
+  return "<div class=\"head\"><dl class=\"about\">" + side("A (before)", c.a) + side("B (after)", c.b) +
+         "<dt>Compared by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
+}
+
 /// Bars start at zero: what is unbounded or negative has none.
 bool has_bar(const std::optional<double>& value) { return value && std::isfinite(*value) && *value >= 0; }
 
 std::string pair_of_bars(const FigureChange& f) {
-  page::Bars bars{f.figure.name(), "The figure before (A) and after (B).", {}};
+  page::Bars bars{f.figure.name(), "The figure before (A) and after (B).", {}, {"", f.figure.unit}};
   bars.bars.push_back({"A", *f.a, readable(*f.a, f.figure.unit)});
-  bars.bars.push_back({"B", *f.b, readable(*f.b, f.figure.unit) + " (" + change_text(f) + ")"});
+  bars.bars.push_back({"B", *f.b, readable(*f.b, f.figure.unit) + " (" + change_text(f) + ")", {}, 1});
   return figure(bars);
 }
 
@@ -109,7 +122,7 @@ std::string share_section(const ReportComparison& c) {
   for (const ShareChange& s : c.shares) {
     if (bars.bars.size() >= 2 * most_pictures) break;
     if (has_bar(s.a)) bars.bars.push_back({s.encoder + ", A", *s.a, percent(*s.a)});
-    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b)});
+    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b), {}, 1});
   }
   return bars.bars.empty() ? "<p>Not in both reports.</p>" : figure(bars);
 }
@@ -134,16 +147,16 @@ std::string to_html(const ReportComparison& c, const Style&) {
   const std::vector<FigureChange> notable = notable_figures(c);
   std::string sentence = comparison_sentence(c);
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-  return markup(page::Page{
+  page::Page page{
       "Comparison of two reports",
       sentence + ".",
-      {{"What is compared", "<p>A (before): " + page::escaped_markup(side_text(c.a)) +
-                                "</p><p>B (after): " + page::escaped_markup(side_text(c.b)) + "</p>"},
-       {"Requirements", requirement_section(c)},
+      {{"Requirements", requirement_section(c)},
        {"Before and after", figure_pictures(notable)},
        {"Shares of the encoders", share_section(c)},
        {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)}},
-      c.warnings});
+      c.warnings};
+  page.about = sides(c);
+  return markup(page);
 }
 
 }  // namespace qerr

@@ -23,7 +23,16 @@ std::string encoder_table(const DesignReport& r, const Design& d) {
   std::vector<std::vector<std::string>> rows;
   for (const DesignedEncoder& e : d.encoders)
     rows.push_back({e.joint, e.name, priced(e.price, r.price_unit), fixed_point(e.bits, 2)});
-  return page::table({"joint", "encoder", "price", "bits at the joint"}, rows);
+  page::Bars bars{by_bits(r) ? "Bits of each joint" : "Price of each joint",
+                  "What each joint takes of the sum.",
+                  {},
+                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
+  for (const DesignedEncoder& e : d.encoders)
+    if (by_bits(r) || e.price)
+      bars.bars.push_back({e.joint + ": " + e.name, by_bits(r) ? e.bits : *e.price,
+                           by_bits(r) ? bits_text(e.bits) : priced(e.price, r.price_unit)});
+  const std::string rows_table = page::table({"joint", "encoder", "price", "bits at the joint"}, rows);
+  return bars.bars.empty() ? rows_table : page::side_by_side("<div>" + rows_table + "</div>" + figure(bars));
 }
 
 std::string filter_paragraphs(const Design& d) {
@@ -123,7 +132,8 @@ std::string price_section(const DesignReport& r) {
   page::Bars bars{by_bits(r) ? "Bits with one requirement relaxed" : "Price with one requirement relaxed",
                   "The least that a design costs if the limit is looser by the part that is stated; the "
                   "first bar is the optimum.",
-                  {}};
+                  {},
+                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
   const Design& d = *r.optimal;
   const double optimum = by_bits(r) ? d.bits : d.price.value_or(0);
   bars.bars.push_back({"as required", optimum, cost_of(r, d.price, d.bits)});
@@ -177,7 +187,7 @@ page::Page feasible_page(const DesignReport& r) {
 std::string to_html(const DesignReport& r, const Style&) {
   page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
   page.warnings = r.warnings;
-  describe(page, r.spec, std::nullopt);
+  describe(page, r.spec, r.optimal ? std::optional(r.optimal->results) : std::nullopt);
   return markup(page);
 }
 

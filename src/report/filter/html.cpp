@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <map>
 #include <numbers>
 
 #include "core/text.hpp"
@@ -46,6 +48,37 @@ std::string gain_figure(const FilterFigures& f, std::size_t filters) {
                            {"frequency", "Hz", true},
                            {"gain", rate_unit(f.filter.derivative), true},
                            {gain, ideal}});
+}
+
+/// Phase behind that of the derivative itself, (i 2 pi f)^d, without jumps: a constant delay T is a phase of
+/// -360 f T degrees.
+std::string phase_figure(const FilterFigures& f, std::size_t filters) {
+  const int points = points_of_line(filters, 160);
+  const double last = 0.49 * f.filter.sample_rate;
+  const double first = std::min(1e-3 * f.filter.sample_rate, 1e-2 * f.bandwidth.value_or(last));
+  page::Series phase{"filter", {}}, delay{"constant delay of " + readable(f.group_delay, "s"), {}};
+  double turns = 0, before = 0;
+  for (int i = 0; i <= points; ++i) {
+    const double frequency = first * std::pow(last / first, static_cast<double>(i) / points);
+    const std::complex<double> ideal =
+        std::pow(std::complex<double>(0, 2 * std::numbers::pi * frequency), f.filter.derivative);
+    const double angle = std::arg(response(f.filter, frequency) / ideal) * 180 / std::numbers::pi;
+    if (i > 0) turns -= std::round((angle - before) / 360);
+    before = angle;
+    phase.points.emplace_back(frequency, angle + 360 * turns);
+    delay.points.emplace_back(frequency, -360 * frequency * f.group_delay);
+  }
+  // Far beyond the band the line of the delay would stretch the axis.
+  double lowest = 0;
+  for (const auto& [x, y] : phase.points) lowest = std::min(lowest, y);
+  std::erase_if(delay.points, [&](const auto& p) { return p.second < 1.2 * lowest - 1; });
+  return figure(
+      page::Plot{"Phase of " + f.name,
+                 "Phase of the response over frequency behind the ideal derivative, beside that of a "
+                 "constant delay.",
+                 {"frequency", "Hz", true},
+                 {"phase", "deg", false, false},
+                 {phase, delay}});
 }
 
 /// Samples until the answer has settled; of a long one every n-th.
@@ -103,7 +136,29 @@ std::string norm_rows(const FilterReport& r) {
                      rows);
 }
 
+/// Of many filters the quietest and the fastest of each derivative.
+std::string answer_of_many(const FilterReport& r) {
+  std::map<int, std::vector<const FilterFigures*>> like;
+  for (const FilterFigures& f : r.filters) like[f.filter.derivative].push_back(&f);
+  std::string text = "Of " + counted(r.filters.size(), "filter");
+  for (const auto& [derivative, filters] : like) {
+    const auto quietest = *std::min_element(filters.begin(), filters.end(), [](const auto* a, const auto* b) {
+      return a->norms.h2 < b->norms.h2;
+    });
+    const auto fastest = *std::min_element(filters.begin(), filters.end(), [](const auto* a, const auto* b) {
+      return a->group_delay < b->group_delay;
+    });
+    text += (derivative == like.begin()->first ? ", derivative " : "; derivative ") +
+            std::to_string(derivative) + ": " + page::isolated(quietest->name) + " has the least noise, " +
+            readable(quietest->norms.h2, rate_unit(derivative)) + ", and " + page::isolated(fastest->name) +
+            " the least delay, " + readable(fastest->group_delay, "s");
+  }
+  return text + '.';
+}
+
 std::string answer(const FilterReport& r) {
+  constexpr std::size_t few = 4;  // in a sentence
+  if (r.filters.size() > few) return answer_of_many(r);
   std::string text;
   for (const FilterFigures& f : r.filters) {
     const std::string unit = rate_unit(f.filter.derivative);
@@ -122,7 +177,8 @@ std::string to_html(const FilterReport& r, const Style&) {
   const std::size_t count = r.filters.size();
   for (const FilterFigures& f : r.filters) {
     filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f, count) +
-                                     impulse_figure(f, count) + step_figure(f, count) + "</div>");
+                                     phase_figure(f, count) + impulse_figure(f, count) +
+                                     step_figure(f, count) + "</div>");
   }
   page::Page page{"Filters of " + r.spec.file,
                   answer(r),

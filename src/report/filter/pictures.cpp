@@ -133,9 +133,15 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
   for (const FilterFigures* f : filters)
     plot.series.push_back({f->name, {{f->group_delay, f->norms.h2}}, true, false});
   const std::vector<ScannedFilter> front = front_of(filters);
-  // Delays of the front span decades; those of predictors, at or below 0, have no logarithm.
-  plot.x.logarithmic = std::all_of(filters.begin(), filters.end(),
-                                   [](const FilterFigures* filter) { return filter->group_delay > 0; });
+  // Delays of the front span decades; those of predictors, at or below 0, have no logarithm: they are told
+  // below the picture, unless there is no other.
+  const auto is_late = [](const FilterFigures* filter) { return filter->group_delay > 0; };
+  plot.x.logarithmic = std::any_of(filters.begin(), filters.end(), is_late);
+  std::string early;
+  for (const FilterFigures* f : filters)
+    if (plot.x.logarithmic && !is_late(f))
+      early += "<p>Left of the picture: " + page::name_markup(f->name) + ", delay " +
+               readable(f->group_delay, "s") + ", H2 norm " + readable(f->norms.h2, unit) + ".</p>";
   // Of finitely many filters the front is a staircase: what lies above it is equalled by a step's filter.
   page::Series line{"undominated low-passes", {}};
   for (std::size_t i = 0; i < front.size(); ++i) {
@@ -143,7 +149,7 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
     line.points.emplace_back(front[i].delay, front[i].h2);
   }
   plot.series.push_back(line);
-  return "<div>" + figure(plot) + (front.empty() ? "" : front_table(front, unit)) + "</div>";
+  return "<div>" + figure(plot) + early + (front.empty() ? "" : front_table(front, unit)) + "</div>";
 }
 
 }  // namespace

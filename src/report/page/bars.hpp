@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "report/page/frame.hpp"
+
 namespace qerr::page {
 
 /// Horizontal bars from zero, as SVG.
@@ -14,14 +16,17 @@ struct Bar {
   double value = 0;                                     ///< [SI], not negative
   std::string text;                                     ///< the value for people
   std::optional<std::pair<double, double>> error = {};  ///< from, to [SI]
+  int colour = 0;                                       ///< of those of lines, 0 to 4
 };
 
 struct Bars {
   std::string title, description;
   std::vector<Bar> bars;
+  AxisRange axis = {"", "%"};        ///< with the unit %, values are parts of 1
+  std::optional<double> limit = {};  ///< a line across all bars [SI]
 };
 
-/// One bar below the other, in the order given, to one scale; each with its name above it. A bar carries its
+/// One bar below the other, in the order given, over one axis; each with its name above it. A bar carries its
 /// value as `data-value`, the name as `data-name`.
 std::string figure(const Bars&);
 
@@ -41,7 +46,7 @@ struct Waterfall {
 };
 
 /// A bar of the start, a piece between the products before and after each factor, and a bar of the product of
-/// all, one below the other, to one scale. A piece carries its factor as `data-value`, the products as
+/// all, one below the other, over one axis. A piece carries its factor as `data-value`, the products as
 /// `data-from` and `data-to`; the first and the last bar the value as `data-value`.
 std::string figure(const Waterfall&);
 

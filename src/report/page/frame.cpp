@@ -1,11 +1,13 @@
 #include "report/page/frame.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
 #include "report/page/markup.hpp"
 
 namespace qerr::page {
@@ -38,22 +40,37 @@ Axis linear(const AxisRange& range, double least, double largest, int most) {
   const PrefixedUnit unit = range.unit.empty() || !range.prefix
                                 ? PrefixedUnit{1, range.unit}
                                 : prefixed(std::max(std::abs(first), std::abs(last)) * step, range.unit);
-  Axis a{titled(range, unit.unit), false, first * step, last * step, {}};
+  Axis a{titled(range, unit.unit), false, first * step, last * step, {}, unit.factor};
   for (double k = first; k <= last + 0.5; ++k)
     a.ticks.push_back({k * step, significant(k * step / unit.factor, 6)});
   return a;
+}
+
+/// Powers of ten beyond four digits as such: `10⁻⁷`.
+std::string decade_label(double value) {
+  constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const double exponent = std::round(std::log10(value));
+  if (std::abs(exponent) < 4 || std::abs(value / std::pow(10, exponent) - 1) > 1e-9)
+    return significant(value, 6);
+  std::string out = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : fixed_point(std::abs(exponent), 0))
+    out += raised[static_cast<std::size_t>(digit - '0')];
+  return out;
 }
 
 Axis logarithmic(const AxisRange& range, double least, double largest, int most) {
   const double first = std::floor(std::log10(least) + 1e-9);
   const double last = std::max(std::ceil(std::log10(largest) - 1e-9), first + 1);
   const double every = std::max(1.0, std::ceil((last - first) / most));
-  Axis a{titled(range, range.unit), true, std::pow(10, first), std::pow(10, last), {}};
+  const PrefixedUnit unit = range.unit.empty() || !range.prefix
+                                ? PrefixedUnit{1, range.unit}
+                                : prefixed(std::pow(10, std::floor((first + last) / 2)), range.unit);
+  Axis a{titled(range, unit.unit), true, std::pow(10, first), std::pow(10, last), {}, unit.factor};
   for (double decade = first; decade <= last; decade += every)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double value = digit * std::pow(10, decade);
       if ((digit > 1 && last - first > 2) || value > a.to * (1 + 1e-9)) continue;
-      a.ticks.push_back({value, significant(value, 6)});
+      a.ticks.push_back({value, decade_label(value / unit.factor)});
     }
   return a;
 }
@@ -76,6 +93,12 @@ std::string drawn_title(double x, double y, std::string_view style, const std::s
   const std::string shown = fitted(title, room, title_font);
   if (shown == title) return drawn_text(x, y, style, title);
   return "<g><title>" + escaped_markup(title) + "</title>" + drawn_text(x, y, style, shown) + "</g>";
+}
+
+/// Ends, scale and unit of an axis.
+std::string axis_attribute(const std::string& name, const Axis& a) {
+  return ' ' + name + "=\"" + shortest(a.from) + ' ' + shortest(a.to) + (a.logarithmic ? " 1 " : " 0 ") +
+         shortest(a.unit) + '"';
 }
 
 }  // namespace
@@ -111,7 +134,9 @@ std::string drawn_axes(const PictureFrame& f) {
   }
   const double middle = 0.5 * (f.left + f.right);
   const double room = 2 * std::min(middle, picture_width - middle) - 2 * tick_gap;
-  out = "<path class=\"grid\" d=\"" + grid + "\"/>" + out;
+  out = "<g class=\"axes\" data-frame=\"" + drawn(f.left) + ' ' + drawn(f.right) + ' ' + drawn(top_margin) +
+        ' ' + drawn(bottom) + '"' + axis_attribute("data-abscissa", f.x) +
+        axis_attribute("data-ordinate", f.y) + "><path class=\"grid\" d=\"" + grid + "\"/>" + out + "</g>";
   return out + drawn_title(middle, picture_height - 8, "label mid", f.x.title, room) +
          drawn_title(tick_gap, 11, "label", f.y.title, f.title_room);
 }

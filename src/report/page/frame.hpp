@@ -13,7 +13,7 @@ struct AxisRange {
   std::string label;      ///< the quantity
   std::string unit = {};  ///< SI, without a prefix; "" for a pure number
   bool logarithmic = false;
-  bool prefix = true;  ///< on a linear axis: an SI prefix by the size of the values
+  bool prefix = true;  ///< an SI prefix by the size of the values
 };
 
 struct Tick {
@@ -26,6 +26,7 @@ struct Axis {
   bool logarithmic = false;
   double from = 0, to = 1;  ///< [SI]
   std::vector<Tick> ticks;
+  double unit = 1;  ///< of the title [SI]
 
   /// Where a value lies: 0 at `from`, 1 at `to`.
   double part(double value) const;
@@ -62,7 +63,8 @@ PictureFrame framed(Axis x, Axis y, double right = picture_width - right_margin)
 Axis unrounded(const AxisRange&, double least, double largest);
 
 /// Grid, ticks and titles; a tick whose label would touch the one before has none, a title that is too long
-/// is shortened.
+/// is shortened. For the script that zooms: `data-frame` has left, right, top and bottom [pixels],
+/// `data-abscissa` and `data-ordinate` from and to [SI], 1 for a logarithmic axis, and the unit [SI].
 std::string drawn_axes(const PictureFrame&);
 
 /// Text in the class of the style sheet.

@@ -11,6 +11,16 @@
 
 namespace qerr::page {
 
+const std::array<Colour, 9> cividis{{{0, 34, 78},
+                                     {26, 56, 111},
+                                     {64, 77, 107},
+                                     {95, 98, 109},
+                                     {125, 124, 120},
+                                     {155, 145, 119},
+                                     {188, 173, 108},
+                                     {221, 202, 89},
+                                     {254, 232, 56}}};
+
 namespace {
 
 std::uint32_t crc(std::string_view bytes) {
@@ -151,17 +161,6 @@ namespace {
 
 constexpr double bar_left = 328, bar_right = 342, top_edge = top_margin,
                  bottom_edge = picture_height - bottom_margin;
-
-/// Every eighth of cividis; between them linear.
-constexpr std::array<Colour, 9> cividis{{{0, 34, 78},
-                                         {26, 56, 111},
-                                         {64, 77, 107},
-                                         {95, 98, 109},
-                                         {125, 124, 120},
-                                         {155, 145, 119},
-                                         {188, 173, 108},
-                                         {221, 202, 89},
-                                         {254, 232, 56}}};
 
 std::vector<Colour> palette() {
   std::vector<Colour> colours{{0, 0, 0}};

@@ -39,11 +39,14 @@ struct HeatMap {
   bool equal_scales = false;  ///< a metre is as long on both axes
 };
 
+/// Every eighth of cividis (Nunez, Anderton, Renslow, PLOS ONE 2018); between them it is linear here.
+extern const std::array<Colour, 9> cividis;
+
 /// Steps of the scale: 0.4 % of its range is below what an eye tells apart.
 inline constexpr int heat_steps = 255;
 
-/// The picture with a colour bar. Colours are those of cividis (Nunez, Anderton, Renslow, PLOS ONE 2018):
-/// they rise in lightness with any colour vision, and in black and white.
+/// The picture with a colour bar. Colours are those of cividis: they rise in lightness with any colour
+/// vision, and in black and white.
 ///
 /// The value of a cell is rounded to a step of the scale: `data-from` and `data-to` of the picture are the
 /// values of the palette's indices 1 and 255, index 0 is an empty cell; `data-span` has the edges of the

@@ -35,16 +35,17 @@ std::string choice(const std::string& label, const std::vector<std::pair<std::st
 /// No date and no path but the spec's as given: equal reports give equal bytes.
 std::string markup(const Page&);
 
-/// Bytes that the parts of a page, and its style and script, leave for further ones below 300 kB; at least
-/// 40000, which a few figures take.
+/// Bytes that the parts of a page leave for further ones below 300 kB, which a mail takes, beside style and
+/// script; at least 40000, which a few figures take.
 std::size_t bytes_left(const Page&);
 
 /// The style sheet, without `<` and `&`, which XML would read. Colours of lines are those of Okabe and Ito,
 /// told apart with any colour vision; dashes tell them apart in black and white.
 extern const std::string_view style_sheet;
 
-/// The script, below 5 kB, without `<` and `&`: shows the chosen figure, and the values of the line at the
-/// pointer.
+/// The script, without requests and without `]]>`. It shows the chosen figure; zooms plots and heat maps,
+/// tells their values at the pointer and by keys, and switches series; turns the robot of a scene
+/// (report/analysis/page/scene.hpp). Without it every picture is there, still.
 extern const std::string_view script;
 
 }  // namespace qerr::page

@@ -168,7 +168,9 @@ std::string drawn_band(const Plot& p, const PictureFrame& f, std::size_t i) {
          "Z\"/>";
 }
 
-std::string line_style(std::size_t i) { return "line " + colour_of(i) + " d" + std::to_string(shape_of(i)); }
+std::string line_style(const Series& s, std::size_t i) {
+  return (s.dots ? "dots " : "line ") + colour_of(i) + (s.dots ? "" : " d" + std::to_string(shape_of(i)));
+}
 
 std::string drawn_path(const Plot& p, const PictureFrame& f, std::size_t i) {
   std::string path, data;
@@ -178,12 +180,15 @@ std::string drawn_path(const Plot& p, const PictureFrame& f, std::size_t i) {
       pen = false;
       continue;
     }
-    path += (pen ? 'L' : 'M') + fixed_point(f.at_x(x), 1) + ' ' + fixed_point(f.at_y(y), 1);
+    const bool dot = p.series[i].dots;  // a closed path without length, which round ends make a dot
+    path += (pen && !dot ? 'L' : 'M') + fixed_point(f.at_x(x), 1) + ' ' + fixed_point(f.at_y(y), 1) +
+            (dot ? "Z" : "");
     data += (data.empty() ? "" : " ") + significant(x, 6) + ',' + significant(y, 6);
     pen = true;
   }
   if (path.empty()) return "";
-  return "<path class=\"" + line_style(i) + "\" d=\"" + path + "\" data-points=\"" + data + "\"/>";
+  return "<path class=\"" + line_style(p.series[i], i) + "\" d=\"" + path + "\" data-points=\"" + data +
+         "\"/>";
 }
 
 std::string drawn_series(const Plot& p, const PictureFrame& f, std::size_t i) {
@@ -215,7 +220,9 @@ std::string legend(const Plot& p, const PictureFrame& f) {
     const Series& s = p.series[i];
     std::string body;
     if (s.band) body += "<path class=\"band " + colour_of(i) + "\" d=\"M0 1H28V11H0Z\"/>";
-    if (s.line) body += "<path class=\"" + line_style(i) + "\" d=\"M0 6L28 6\"/>";
+    if (s.line)
+      body += "<path class=\"" + line_style(s, i) + "\" d=\"" + (s.dots ? "M7 8ZM14 4ZM21 7Z" : "M0 6L28 6") +
+              "\"/>";
     if (s.marks || !s.marked.empty()) body += drawn_mark(i, 14, 6, "", "");
     out += key(body) + name_markup(s.name) + "</li>";
   }

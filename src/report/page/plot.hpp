@@ -49,6 +49,7 @@ struct Series {
   std::vector<std::pair<double, double>> intervals = {};
   bool band = false;  ///< the area between the intervals in place of error bars
   std::vector<std::pair<double, double>> marked = {};  ///< [SI]: marks beside those of `points`, untitled
+  bool dots = false;                                   ///< in place of the line
 };
 
 /// A limit. One that would squeeze the data into a fifth of a linear axis is named in the legend only.

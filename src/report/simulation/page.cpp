@@ -30,10 +30,14 @@ std::string prediction_figures(const SimulationReport& r) {
   page::Bars sigma{
       "Simulated sigma over IPQN along the path",
       "Sigma of the simulated error as a part of the sigma of the theory, with its 95 % interval.",
-      {}};
+      {},
+      {""},
+      1};
   page::Bars peak{"Peak over worst case along the path",
                   "Largest simulated error as a part of the largest possible one.",
-                  {}};
+                  {},
+                  {"", "%"},
+                  1};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     if (s.sigma_ipqn_path > 0 && std::isfinite(s.sigma_ipqn_path) && !is_constant(s)) {

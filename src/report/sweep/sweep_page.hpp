@@ -45,6 +45,7 @@ class SweepPage {
   std::string answer() const;
   std::string picture(std::size_t figure) const;
   std::string plot(std::size_t figure) const;
+  std::string matrix(std::size_t figure) const;
   std::string bars(std::size_t figure) const;
   std::string what_is_drawn() const;
   std::string table() const;

@@ -2,6 +2,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/text.hpp"
 #include "report/analysis/about.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
@@ -85,7 +86,13 @@ std::string SweepPage::plot(std::size_t figure) const {
       series.points.emplace_back(drawn_.value(grid_, v), y);
       if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
     }
-    plot.series.push_back(std::move(series));
+    // Combinations of keys that change nothing are one line.
+    const auto same = std::find_if(plot.series.begin(), plot.series.end(),
+                                   [&](const page::Series& s) { return s.points == series.points; });
+    if (same == plot.series.end())
+      plot.series.push_back(std::move(series));
+    else
+      same->name += "; " + series.name;
   }
   if (!(least <= largest)) return "<p>No variant that is drawn has this figure.</p>";
   plot.y.logarithmic = least > 0 && largest > wide_range * least;
@@ -98,9 +105,51 @@ std::string SweepPage::plot(std::size_t figure) const {
   return page::figure(plot);
 }
 
+/// The figure by the key of the abscissa and by the others: the darker, the larger; what misses its
+/// requirement is crossed. "" of one line, and of more cells than a reader, or the page, takes.
+std::string SweepPage::matrix(std::size_t figure) const {
+  constexpr std::size_t most_columns = 16, most_cells = 1500;  // 80 bytes each
+  const std::size_t columns = drawn_.lines.front().variants.size(), rows = drawn_.lines.size();
+  if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
+  const Figure& f = figures_[figure];
+  const auto value = [&](std::uint64_t v) {
+    const std::vector<double>& values = kept_.at(v).values;
+    return figure < values.size() ? values[figure] : NAN;
+  };
+  double least = INFINITY, largest = -INFINITY;
+  for (const DrawnVariants::Line& line : drawn_.lines)
+    for (const std::uint64_t v : line.variants)
+      if (std::isfinite(value(v))) least = std::min(least, value(v)), largest = std::max(largest, value(v));
+  if (!(least <= largest)) return "";
+  const std::vector<std::string> keys = grid_.keys();
+  const auto key =
+      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn_.abscissa->key) - keys.begin());
+  std::string out = "<div class=\"wide\"><table class=\"matrix\"><thead><tr><th scope=\"col\">" +
+                    page::name_markup(drawn_.abscissa->key) + "</th>";
+  for (const std::uint64_t v : drawn_.lines.front().variants)
+    out += "<th scope=\"col\">" + page::name_markup(short_value(grid_.names(v)[key])) + "</th>";
+  out += "</tr></thead><tbody>";
+  const Requirement* limit = f.requirement >= 0 && !limits_vary_
+                                 ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
+                                 : nullptr;
+  for (const DrawnVariants::Line& line : drawn_.lines) {
+    out += "<tr><th scope=\"row\">" + page::name_markup(line.name) + "</th>";
+    for (const std::uint64_t v : line.variants) {
+      const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
+      const bool missed = limit && (limit->at_least ? y < limit->limit : y > limit->limit);
+      out += std::isfinite(y)
+                 ? "<td style=\"--p:" + significant(std::round(45 * part), 2) + "%\">" +
+                       (missed ? "\u2717 " : "") + page::escaped_markup(readable(y, f.unit)) + "</td>"
+                 : "<td>-</td>";
+    }
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div>" + (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
+}
+
 std::string SweepPage::bars(std::size_t figure) const {
   const Figure& f = figures_[figure];
-  page::Bars bars{f.name, "The figure of each variant.", {}};
+  page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
   for (const std::uint64_t v : drawn_.lines.front().variants) {
     const std::vector<double>& values = kept_.at(v).values;
     if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
@@ -110,7 +159,10 @@ std::string SweepPage::bars(std::size_t figure) const {
 }
 
 std::string SweepPage::picture(std::size_t figure) const {
-  return drawn_.abscissa ? plot(figure) : bars(figure);
+  if (!drawn_.abscissa) return bars(figure);
+  const std::string cells = matrix(figure);
+  return cells.empty() ? plot(figure)
+                       : "<div class=\"figures\">" + plot(figure) + "<div>" + cells + "</div></div>";
 }
 
 std::string SweepPage::what_is_drawn() const {

@@ -123,18 +123,20 @@ namespace {
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 
-/// The axes of the base frame that span the picture: x and z, or those of a workspace that is flat.
-std::array<Eigen::Index, 2> plane_of(const Eigen::Vector3d& extent) {
+using Plane = std::array<Eigen::Index, 2>;
+
+/// The axes of the base frame that span each picture: all three planes, or that of a workspace that is flat.
+std::vector<Plane> planes_of(const Eigen::Vector3d& extent) {
   constexpr double flat = 0.5;  // of the next smaller extent: a side view of it would be a strip
   Eigen::Index least = 0;
   extent.minCoeff(&least);
   const Eigen::Index a = (least + 1) % 3, b = (least + 2) % 3;
-  if (extent[least] > flat * std::min(extent[a], extent[b])) return {0, 2};
-  return {std::min(a, b), std::max(a, b)};
+  if (extent[least] > flat * std::min(extent[a], extent[b])) return {{0, 2}, {0, 1}, {1, 2}};
+  return {{std::min(a, b), std::max(a, b)}};
 }
 
 struct TipGrid {
-  std::array<Eigen::Index, 2> axes;
+  Plane axes;
   std::array<std::pair<double, double>, 2> span;
   std::array<std::size_t, 2> cells;
   std::vector<std::size_t> cell_of;  ///< [configuration]
@@ -142,11 +144,10 @@ struct TipGrid {
 
 /// About six configurations a cell, so that few cells inside the workspace are empty, and a hundred by a
 /// hundred cells at most: a cell is then three pixels.
-TipGrid tip_grid(const ConfigurationSample& sample) {
+TipGrid tip_grid(const ConfigurationSample& sample, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                 const Plane& plane) {
   constexpr double configurations_a_cell = 6, most_cells = 1e4;
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const Eigen::Vector3d& tip : sample.tips) low = low.cwiseMin(tip), high = high.cwiseMax(tip);
-  TipGrid g{plane_of(high - low), {}, {}, {}};
+  TipGrid g{plane, {}, {}, {}};
   // A tip that moves by its rounding errors alone rests.
   const double extent = (high - low).maxCoeff(),
                distance = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()),
@@ -175,10 +176,12 @@ TipGrid tip_grid(const ConfigurationSample& sample) {
 }
 
 std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, const Signal& c) {
-  page::HeatMap map{"Worst case of " + c.name + " over the workspace",
+  const std::string x = axis_names[static_cast<std::size_t>(g.axes[0])],
+                    y = axis_names[static_cast<std::size_t>(g.axes[1])];
+  page::HeatMap map{"Worst case of " + c.name + " over the workspace, " + x + y,
                     "Largest worst case among the configurations with the tip in a cell.",
-                    {axis_names[static_cast<std::size_t>(g.axes[0])], "m", false, false},
-                    {axis_names[static_cast<std::size_t>(g.axes[1])], "m", false, false},
+                    {x, "m", false, false},
+                    {y, "m", false, false},
                     {"worst case of " + c.name, c.unit},
                     g.span[0],
                     g.span[1],
@@ -197,12 +200,18 @@ std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, 
 
 std::string workspace_figures(const Analysis& a, const ConfigurationSample& sample) {
   if (sample.tips.empty()) return "<p>Without a configuration there is no workspace.</p>";
-  const TipGrid grid = tip_grid(sample);
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  for (const Eigen::Vector3d& tip : sample.tips) low = low.cwiseMin(tip), high = high.cwiseMax(tip);
+  std::vector<TipGrid> grids;
+  for (const Plane& plane : planes_of(high - low)) grids.push_back(tip_grid(sample, low, high, plane));
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::pair<std::string, std::string>> all;
-  for (std::size_t c = 0; c < sample.worst.size(); ++c)
-    all.emplace_back(coordinates[c].name, worst_case_map(grid, sample.worst[c], coordinates[c]));
-  return "<p>By the position of the tip in the base frame, seen along the third axis: the largest worst case "
+  for (std::size_t c = 0; c < sample.worst.size(); ++c) {
+    std::string maps;
+    for (const TipGrid& grid : grids) maps += worst_case_map(grid, sample.worst[c], coordinates[c]);
+    all.emplace_back(coordinates[c].name, "<div class=\"figures\">" + maps + "</div>");
+  }
+  return "<p>By the position of the tip in the base frame, in each plane of it: the largest worst case "
          "of the configurations in a cell, of " +
          std::to_string(sample.of) + " configurations" + sampled_note(sample) +
          ". Without colour: no configuration.</p>" + page::choice("Coordinate", all);

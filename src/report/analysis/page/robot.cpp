@@ -6,7 +6,10 @@
 
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
 #include "report/analysis/page/pictures.hpp"
+#include "report/json_value.hpp"
+#include "report/page/heat_map.hpp"
 #include "report/page/plot.hpp"
 
 namespace qerr {
@@ -136,6 +139,73 @@ const Eigen::VectorXd& median_configuration(const ConfigurationSample& sample) {
   return sample.q[*middle];
 }
 
+Json numbers(std::vector<double> all, int digits) {
+  for (double& v : all) v = rounded_to(v, digits);
+  return all;
+}
+
+/// Rows of [R p] of a transform.
+Json transform_rows(const Eigen::Isometry3d& t) {
+  std::vector<double> all;
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = 0; c < 4; ++c) all.push_back(t.matrix()(r, c));
+  return numbers(all, 9);
+}
+
+Json joint_of(const ChainJoint& j, const Chain& chain) {
+  return {{"name", j.name},
+          {"origin", transform_rows(j.origin)},
+          {"axis", numbers(std::vector<double>(j.axis.data(), j.axis.data() + 3), 9)},
+          {"prismatic", j.prismatic},
+          {"coordinate", j.coordinate},
+          {"multiplier", j.multiplier},
+          {"added", j.offset},
+          {"driven", chain.independent[j.coordinate].name}};
+}
+
+/// Joint values, half edges of the box (by columns), covariance xx xy xz yy yz zz.
+Json pose_of(const DrawnPose& pose, const Eigen::VectorXd& q) {
+  std::vector<double> box(pose.box.data(), pose.box.data() + 9), covariance;
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = r; c < 3; ++c) covariance.push_back(pose.covariance(r, c));
+  // In the axes of the base the box has three numbers.
+  const bool aligned = pose.box.isDiagonal();
+  if (aligned) box = {pose.box(0, 0), pose.box(1, 1), pose.box(2, 2)};
+  std::vector<double> all(q.data(), q.data() + q.size());
+  all.insert(all.end(), box.begin(), box.end());
+  all.insert(all.end(), covariance.begin(), covariance.end());
+  return numbers(std::move(all), 6);
+}
+
+/// What the script draws in three dimensions: the chain, and the errors at the configuration of the largest
+/// and of the median variance, then at others of the sample, as many as make a cloud.
+std::string scene(const OperationalModel& model, const ConfigurationSample& sample,
+                  const std::array<DrawnPose, 2>& poses, const std::array<const Eigen::VectorXd*, 2>& at,
+                  double factor) {
+  constexpr std::size_t cloud = 700;
+  Json joints = Json::array(), all = Json::array(), colours = Json::array(), names = Json::array();
+  for (const ChainJoint& j : model.chain.joints) joints.push_back(joint_of(j, model.chain));
+  for (std::size_t i = 0; i < 2; ++i) all.push_back(pose_of(poses[i], *at[i]));
+  const std::size_t count = std::min(cloud, sample.q.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::VectorXd& q = sample.q[i * sample.q.size() / count];
+    all.push_back(pose_of(drawn_pose(model, "", q), q));
+  }
+  for (const page::Colour& c : page::cividis) colours.push_back(Json(c));
+  for (const IndependentJoint& j : model.chain.independent)
+    names.push_back(Json{{"name", j.name}, {"prismatic", j.prismatic()}});
+  const Json data{{"joints", joints},  {"tip", transform_rows(model.chain.tip_offset)},
+                  {"encoders", names}, {"poses", all},
+                  {"factor", factor},  {"colours", colours},
+                  {"of", sample.of}};
+  std::string text = data.line();
+  // Neither markup nor the end of the CDATA section can begin in it.
+  for (std::size_t i = 0; (i = text.find_first_of("<>&", i)) != std::string::npos;)
+    text.replace(i, 1, text[i] == '<' ? "\\u003c" : text[i] == '>' ? "\\u003e" : "\\u0026");
+  return "<div class=\"scene\" hidden=\"hidden\"><script type=\"application/json\">" + text +
+         "</script></div>\n";
+}
+
 }  // namespace
 
 std::string robot_figures(const Analysis& a, const ConfigurationSample& sample) {
@@ -147,13 +217,15 @@ std::string robot_figures(const Analysis& a, const ConfigurationSample& sample) 
            "them "
            "there is no ellipsoid.</p>";
   if (!complete) model = of_position(model);
-  const std::array poses{drawn_pose(model, "largest variance", a.workspace.largest_at),
-                         drawn_pose(model, "median variance", median_configuration(sample))};
+  const std::array<const Eigen::VectorXd*, 2> at{&a.workspace.largest_at, &median_configuration(sample)};
+  const std::array poses{drawn_pose(model, "largest variance", *at[0]),
+                         drawn_pose(model, "median variance", *at[1])};
   double reach = 0, error = 0;
   for (const Eigen::Vector3d& p : poses[0].points) reach = std::max(reach, p.norm());
   for (const DrawnPose& p : poses) error = std::max(error, p.box.colwise().norm().maxCoeff());
   const double factor = magnification(reach, std::isfinite(error) ? error : 0);
-  return views(poses[0], factor) + views(poses[1], factor);
+  return scene(model, sample, poses, at, factor) + "<div class=\"views\">" + views(poses[0], factor) +
+         views(poses[1], factor) + "</div>";
 }
 
 }  // namespace qerr

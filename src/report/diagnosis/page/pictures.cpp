@@ -47,7 +47,8 @@ std::string size_figures(const DiagnosisReport& r) {
         units.push_back(p.unit);
         all.push_back({p.unit.empty() ? "Ratios" : "Sizes [" + p.unit + "]",
                        "Magnitude of each fitted parameter, with its 95 % interval.",
-                       {}});
+                       {},
+                       {"", p.unit}});
       }
       all[static_cast<std::size_t>(known)].bars.push_back(size_bar(c, p));
     }

@@ -62,17 +62,18 @@ void draw_by_position(const JointResidual& r, std::size_t intervals, ResidualPic
   const page::Envelope none(from, to, intervals);
   std::array before{none, none, none}, after = before;
   const IntervalMeans no_rows(from, to, intervals);
-  std::array fit{no_rows, no_rows, no_rows};
+  std::array mean{no_rows, no_rows, no_rows}, fit = mean;
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
     const double direction = e.direction.size() > 0 ? e.direction[k] : 0;
     const std::size_t side = direction > 0 ? 0 : direction < 0 ? 1 : 2;
     before[side].add(e.reference[k], r.before[k]);
+    mean[side].add(e.reference[k], r.before[k]);
     if (!p.corrected) continue;
     after[side].add(e.reference[k], r.after[k]);
     fit[side].add(e.reference[k], r.before[k] - r.after[k]);
   }
   for (std::size_t side = 0; side < p.sides.size(); ++side)
-    p.sides[side] = {before[side].points(), after[side].points(), fit[side].points()};
+    p.sides[side] = {before[side].points(), after[side].points(), fit[side].points(), mean[side].points()};
 }
 
 void draw_by_count(const JointResidual& r, ResidualPicture& p) {
@@ -146,13 +147,20 @@ ResidualPicture residual_picture(const JointResidual& r, std::size_t intervals) 
 
 namespace {
 
-using Curve = std::pair<std::string, const ResidualPicture::Points*>;
+struct Curve {
+  std::string name;
+  const ResidualPicture::Points* points;
+  bool dots = false;
+};
 
 page::Plot residual_plot(const ResidualPicture& p, const std::string& title, const std::string& description,
                          const page::AxisRange& x, const std::vector<Curve>& curves) {
   page::Plot plot{page::isolated_runs(title), description, x, {"measured - reference", p.unit}, {}};
-  for (const auto& [name, points] : curves)
-    if (!points->empty()) plot.series.push_back({name, *points});
+  for (const auto& [name, points, dots] : curves)
+    if (!points->empty()) {
+      plot.series.push_back({name, *points});
+      plot.series.back().dots = dots;
+    }
   return plot;
 }
 
@@ -182,17 +190,17 @@ std::string position_figures(const ResidualPicture& p) {
     const ResidualPicture::Side& side = p.sides[i];
     if (side.before.empty() || (sided && i == 2)) continue;
     const std::string way = sided ? std::string(", ") + directions[i] : "";
-    out += figure(
-        residual_plot(p, "Residual" + of_joint(p) + " by position" + way,
-                      "Smallest and largest residual in each interval of the position, and the mean of "
-                      "what the causes contribute.",
-                      position_axis(p), {{"before", &side.before}, {"fit", &side.fit}}));
+    out += figure(residual_plot(
+        p, "Residual" + of_joint(p) + " by position" + way,
+        "Smallest and largest residual in each interval of the position as points, their mean, and "
+        "the mean of what the causes contribute.",
+        position_axis(p), {{"before", &side.before, true}, {"mean before", &side.mean}, {"fit", &side.fit}}));
   }
   const page::Plot after = residual_plot(
       p, "Residual" + of_joint(p) + " by position, after", "The same after subtraction of the causes.",
       position_axis(p),
-      sided ? std::vector<Curve>{{"forward", &p.sides[0].after}, {"backward", &p.sides[1].after}}
-            : std::vector<Curve>{{"after", &p.sides[2].after}});
+      sided ? std::vector<Curve>{{"forward", &p.sides[0].after, true}, {"backward", &p.sides[1].after, true}}
+            : std::vector<Curve>{{"after", &p.sides[2].after, true}});
   return out + (after.series.empty() ? "" : figure(after));
 }
 
@@ -248,7 +256,7 @@ Extent extent(std::size_t bytes, std::size_t encoders, std::size_t corrected) {
   constexpr std::size_t fewest = 40, most = 320, per_point = 36;
   // Axes and legends of six figures or five, and the means by count; points of all lines in an interval.
   const auto fixed = [](bool with_fit) -> std::size_t { return with_fit ? 18000 : 13000; };
-  const auto per_interval = [](bool with_fit) -> std::size_t { return per_point * (with_fit ? 18 : 8); };
+  const auto per_interval = [](bool with_fit) -> std::size_t { return per_point * (with_fit ? 20 : 10); };
   for (std::size_t joints = encoders;; --joints) {
     std::size_t needed = 0, of_intervals = 0;
     for (std::size_t i = 0; i < joints; ++i)
@@ -282,8 +290,9 @@ std::string residuals_part(const DiagnosisReport& r, std::size_t bytes) {
   if (all.empty()) return "";
   sort_by_interest(all);
   std::string out = page::paragraph(
-      "The line of a record passes through the smallest and the largest value of each interval of the "
-      "abscissa. Residuals are those of the log as it was recorded.");
+      "Of a long record, the smallest and the largest value of each interval of the abscissa are drawn: "
+      "joined "
+      "in time, as points by position. Residuals are those of the log as it was recorded.");
   if (all.size() > drawn.joints) {
     std::vector<std::string> left;
     for (std::size_t i = drawn.joints; i < all.size(); ++i) left.push_back(summary(all[i]));

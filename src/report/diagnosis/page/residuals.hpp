@@ -22,7 +22,7 @@ struct ResidualPicture {
   Points before, after;    ///< over time, or over the row
   struct Side {            ///< rows with one direction of the motion
     Points before, after;  ///< over the reference's position
-    Points fit;            ///< mean of what was subtracted, over the reference's position
+    Points fit, mean;      ///< mean of what was subtracted, and of what was before
   };
   std::array<Side, 3> sides;               ///< forward, backward, unknown
   Points by_count_before, by_count_after;  ///< means, over the count modulo `count_cycle`
