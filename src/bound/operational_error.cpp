@@ -34,6 +34,15 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
 
 }  // namespace
 
+std::string tips_of(const OperationalModel& model) {
+  if (!model.tips) return model.chain.tip;
+  std::string all;
+  for (const NamedTip& tip : *model.tips)
+    if (tip.name.find('-') == std::string::npos)  // of one relative to another
+      all += (all.empty() ? "" : ", ") + tip.chain.tip;
+  return all;
+}
+
 std::vector<Signal> all_signals(const OperationalModel& model) {
   std::vector<Signal> all;
   for (const Coordinate c : model.coordinates) all.push_back(signal_of(c));

@@ -1,6 +1,7 @@
 #include "qerr/bound/signal.hpp"
 
 #include "bound/signals/signals.hpp"
+#include "qerr/bound/operational_error.hpp"
 
 namespace qerr {
 
@@ -43,6 +44,32 @@ std::vector<std::string> signal_names(const OperationalModel& model) {
   for (const SignalKind& kind : signal_kinds())
     for (const Signal& signal : kind.signals(model)) names.push_back(signal.name);
   return names;
+}
+
+namespace {
+
+/// Moments of one signal.
+SignalMoments moments_of(const SignalMoments& all, Eigen::Index signal) {
+  return {all.mean.segment(signal, 1), all.peak.segment(signal, 1),
+          all.covariance.block(signal, signal, 1, 1)};
+}
+
+}  // namespace
+
+OperationalModel coordinate_model(OperationalModel model, std::size_t signal) {
+  const std::size_t before = model.coordinates.size() + model.lengths.size();
+  const Signal s = model.signals.at(signal - before);
+  const ChainCoordinate own = s.kind->of_chain(model, s.index);
+  if (model.along_motion) {  // which has no lengths
+    const auto row = static_cast<Eigen::Index>(signal - model.lengths.size());
+    model.along_motion->tip = moments_of(model.along_motion->tip, row);
+    for (SignalMoments& m : model.along_motion->filtered) m = moments_of(m, row);
+  }
+  model.chain = *own.chain;
+  model.coordinates = {own.coordinate};
+  model.lengths.clear();
+  model.signals.clear();
+  return model;
 }
 
 Signal signal_of(Coordinate c) {

@@ -42,6 +42,7 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
                            const FigureLayout& layout)
     : model_(model),
       layout_(layout),
+      loops_(model.control, model.chain),
       rigorous_(requested.rigorous),
       own_worst_(layout.filtered_sigma > layout.filtered_worst),
       own_sigma_(layout.in_motion > layout.filtered_sigma) {
@@ -50,7 +51,7 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   half_width_ = of_each(errors, [](const auto& e) { return e.half_width; });
   mean_ = of_each(errors, [](const auto& e) { return e.mean; });
   const Eigen::VectorXd sigma = of_each(errors, [](const auto& e) { return e.sigma; });
-  const Eigen::VectorXd joints = joint_error(model).worst_case;
+  joints_ = joint_error(model).worst_case;
   white_ = of_each(errors, [&](const auto& e) {
     const bool white = e.sigma_ratios.empty() ||
                        (!requested.filters.empty() && e.sigma_ratios.front() == requested.filters.front().h2);
@@ -58,7 +59,6 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   });
   slow_ = sigma - white_;
   const auto count = static_cast<Eigen::Index>(model.signals.size());
-  for (const Signal& s : model.signals) remainder_.push_back(s.kind->remainder(model, s.index, joints));
   for (std::size_t f = 0; f <= requested.filters.size(); ++f) {
     Behind& b = behind_.emplace_back();
     b.peak = b.along_motion = Eigen::VectorXd::Zero(count);
@@ -80,9 +80,15 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   }
 }
 
+double SignalErrors::remainder(std::size_t signal, const Eigen::VectorXd& q) const {
+  const Signal& s = model_.signals[signal];
+  return s.kind->remainder(model_, s.index, q, joints_);
+}
+
 /// @param column  derivative of the signal by each error
 /// @param figures  of the configuration
-void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& column, double* figures) const {
+void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& q, const Eigen::VectorXd& column,
+                       double* figures) const {
   const std::size_t at = model_.coordinates.size() + model_.lengths.size() + signal;
   const auto row = static_cast<Eigen::Index>(signal);
   const Eigen::VectorXd squares = column.cwiseAbs2();
@@ -95,7 +101,7 @@ void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& column, double
     if (f == 0) {
       write(layout_.worst_case, worst);
       write(layout_.sigma, sigma);
-      if (rigorous_) write(layout_.rigorous, worst + remainder_[signal]);
+      if (rigorous_) write(layout_.rigorous, worst + remainder(signal, q));
       continue;
     }
     const std::size_t filter = (f - 1) * layout_.coordinates;
@@ -108,9 +114,10 @@ void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& column, double
 
 /// Half widths times ||G||_1, means times G(1); white errors times ||G||_2, and others, of which the spectrum
 /// is not known, times ||G||_1, the most that any frequency passes.
-void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, double* figures) const {
+void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, const LoopsAt& loops,
+                              double* figures) const {
   const Signal& s = model_.signals[signal];
-  const SignalNorms n = s.kind->norms(model_, s.index, q, moved_);
+  const SignalNorms n = s.kind->norms(model_, s.index, q, moved_, loops);
   const auto sum = [](const Eigen::RowVectorXd& norm, const Eigen::VectorXd& size) {
     double total = 0;
     for (Eigen::Index e = 0; e < size.size(); ++e)
@@ -122,7 +129,7 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, doub
   if (model_.along_motion) {
     const SignalMoments& joints = model_.along_motion->joints;
     const SignalNorms by_joint =
-        s.kind->norms(model_, s.index, q, Eigen::MatrixXd::Identity(q.size(), q.size()));
+        s.kind->norms(model_, s.index, q, Eigen::MatrixXd::Identity(q.size(), q.size()), loops);
     worst += sum(by_joint.l1, joints.peak);
     variance += std::pow(sum(by_joint.l1, joints.covariance.diagonal().cwiseSqrt()), 2);
   }
@@ -130,7 +137,7 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, doub
   const auto write = [&](std::size_t block, double value) { figures[(block + at) * batch_size] = value; };
   write(layout_.worst_case, worst);
   write(layout_.sigma, std::sqrt(variance));
-  if (rigorous_) write(layout_.rigorous, worst + remainder_[signal]);
+  if (rigorous_) write(layout_.rigorous, worst + remainder(signal, q));
   for (std::size_t f = 1; f < behind_.size(); ++f) {  // no filter passes it
     const std::size_t filter = (f - 1) * layout_.coordinates;
     if (own_worst_) write(layout_.filtered_worst + filter, 0);
@@ -139,16 +146,20 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, doub
   }
 }
 
-void SignalErrors::operator()(const double* q, double* figures) const {
-  Eigen::VectorXd at(moved_.rows());
+void SignalErrors::operator()(const double* q, double* figures) {
+  Eigen::MatrixXd all(moved_.rows(), static_cast<Eigen::Index>(batch_size));
+  for (Eigen::Index i = 0; i < all.cols(); ++i)
+    for (Eigen::Index j = 0; j < all.rows(); ++j) all(j, i) = q[j * all.cols() + i];
+  loops_.move_to(all);
   for (std::size_t i = 0; i < batch_size; ++i) {
-    for (Eigen::Index j = 0; j < at.size(); ++j) at[j] = q[static_cast<std::size_t>(j) * batch_size + i];
+    const LoopsAt loops{&loops_, static_cast<Eigen::Index>(i)};
+    const Eigen::VectorXd at = all.col(loops.configuration);
     const Eigen::MatrixXd columns = signal_rows(model_, at) * moved_;
     for (std::size_t s = 0; s < model_.signals.size(); ++s)
       if (is_closed(model_.signals[s]))
-        set_closed(s, at, figures + i);
+        set_closed(s, at, loops, figures + i);
       else
-        set(s, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
+        set(s, at, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
   }
 }
 

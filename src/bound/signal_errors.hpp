@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bound/batched_error.hpp"
+#include "control/loop_response.hpp"
 
 namespace qerr {
 
@@ -17,7 +18,7 @@ class SignalErrors {
   SignalErrors(const OperationalModel&, const ErrorFigures&, const FigureLayout&);
 
   /// @param q  as in BatchedError
-  void operator()(const double* q, double* figures) const;
+  void operator()(const double* q, double* figures);
 
  private:
   /// Factors of the errors behind a filter, the first entry of `behind_` being the position.
@@ -26,17 +27,20 @@ class SignalErrors {
     Eigen::VectorXd variance, in_motion;  ///< [error]; empty: not known
     Eigen::VectorXd peak, along_motion;   ///< [signal]: added to the bound, and to the variance
   };
-  void set(std::size_t signal, const Eigen::VectorXd& column, double* figures) const;
+  double remainder(std::size_t signal, const Eigen::VectorXd& q) const;
+  void set(std::size_t signal, const Eigen::VectorXd& q, const Eigen::VectorXd& column,
+           double* figures) const;
   /// Stores the figures of a signal with norms of its own.
-  void set_closed(std::size_t signal, const Eigen::VectorXd& q, double* figures) const;
+  void set_closed(std::size_t signal, const Eigen::VectorXd& q, const LoopsAt&, double* figures) const;
 
   OperationalModel model_;
   FigureLayout layout_;
   Eigen::MatrixXd moved_;  // independent joints x errors
   Eigen::VectorXd half_width_, mean_;
-  Eigen::VectorXd white_, slow_;   // [error]: sigma of errors of white and of other spectra
-  std::vector<double> remainder_;  // [signal]
+  Eigen::VectorXd white_, slow_;  // [error]: sigma of errors of white and of other spectra
+  Eigen::VectorXd joints_;        // worst case of the independent joints
   std::vector<Behind> behind_;
+  LoopsOfBatch loops_;
   bool rigorous_, own_worst_, own_sigma_;
 };
 

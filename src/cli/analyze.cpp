@@ -1,3 +1,4 @@
+#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "input/read_limits.hpp"
@@ -30,6 +31,8 @@ int run(const Values& v) {
         spec, options, [&](const std::string& text) { outputs.write_next([&] { rows->write(text); }); },
         proofs);
     outputs.write_next([&] { rows->close(); });
+  } else if (caller() && caller()->wants_columns) {
+    analysis = analyze(spec, options, caller()->columns, proofs);
   } else {
     analysis = analyze(spec, options, proofs);
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "qerr/input/read_log.hpp"
+#include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
 
@@ -16,6 +17,8 @@ struct Caller {
   std::vector<LogArray> log;                   ///< in place of the files of a log
   std::map<std::string, std::string> reports;  ///< by format
   std::vector<std::string> warnings;
+  bool wants_columns = false;  ///< of `analyze`: the figures of every configuration
+  ConfigurationColumns columns;
   std::atomic<bool> stops = false;  ///< set by the caller: the work that shows progress ends with Stopped
 };
 

@@ -86,6 +86,14 @@ CheckReport read_and_check(const Values& v, bool annotated) {
   }
 }
 
+/// The faults of all specs, where none could be checked, with the exit code of the first.
+Error all_faults(const std::vector<BrokenSpec>& broken) {
+  std::vector<Fault> faults;
+  for (const BrokenSpec& b : broken)
+    faults.insert(faults.end(), b.error.faults().begin(), b.error.faults().end());
+  return Error(std::move(faults), broken.front().error.trouble());
+}
+
 int run(const Values& v) {
   const auto verdicts = opened(v, "junit");
   const auto out = opened_report(v, {"junit"});
@@ -93,13 +101,13 @@ int run(const Values& v) {
   const CheckReport report = read_and_check(v, annotated);
   const bool nothing_checked = report.specs.empty();
   if (nothing_checked && report.broken.front().error.trouble() == Trouble::file_system)
-    throw report.broken.front().error;
+    throw all_faults(report.broken);
   Outputs outputs;
   if (verdicts && !(nothing_checked && v.text("junit") == "-"))
     outputs.write([&] { finish(*verdicts, junit(report, now())); });
   if (nothing_checked) {
     if (annotated) annotate(github_annotations(report), false);
-    throw report.broken.front().error;
+    throw all_faults(report.broken);
   }
   if (out) outputs.write([&] { finish(*out, report, v); });
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";

@@ -25,8 +25,8 @@ std::size_t message_width();
 std::function<void(std::uint64_t done, std::uint64_t total)> progress(const Values&,
                                                                       std::string_view noun = "");
 
-/// The same for searches whose number is not known: which one, and how much of the work after which it ends
-/// at the latest.
+/// Shows the progress of searches whose number is not known, as `progress` does: which one it is, and how
+/// much of the work after which it ends at the latest.
 std::function<void(std::size_t search, double part)> search_progress(const Values&);
 
 /// What Ctrl-C leaves on a terminal, in a line of its own: how to go on, if a command has said so. Allocates

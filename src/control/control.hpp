@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +50,8 @@ struct Wall {
   Eigen::Vector3d normal;  ///< unit vector in the base frame
 };
 
+struct StatedLoop;  // loop_response.hpp
+
 /// The sections `control` and `walls` of a spec.
 struct Control {
   double sample_rate = 0;               ///< of the loops [Hz]
@@ -57,7 +59,9 @@ struct Control {
   std::vector<JointController> joints;  ///< one for each independent joint
   std::optional<TipImpedance> tip;      ///< in place of the joints' gains
   std::vector<Wall> walls;
-  std::uint64_t id = 0;  ///< differs between two sets of controllers, as a key of results that are kept
+  /// Of each joint whose inertia is stated, the loop, evaluated when it is first asked for; equal loops are
+  /// one. Set by `with_stated_loops`; else null.
+  std::vector<std::shared_ptr<StatedLoop>> stated = {};
 
   /// The delay in samples; within 1e-9 of an integer it is that.
   double samples_of_delay() const;

@@ -1,20 +1,27 @@
 #include "control/loop_response.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
+#include "control/kernels.hpp"
 #include "control/loop.hpp"
 #include "filter/run/cascade.hpp"
 #include "kinematics/inverse_dynamics.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 
 namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
+
+// A response ends where two blocks of samples, each an eighth longer than that before, have added less than
+// `negligible` of the sum.
+constexpr std::size_t first_block = 256, most_samples = 4'000'000;
+constexpr double negligible = 1e-11;
 
 /// Motion of M q'' + b q' = u over a time t under a constant torque: q += q_of_v v + q_of_u u, v = v_of_v v +
 /// v_of_u u.
@@ -63,17 +70,17 @@ class Decay {
     bool close() {
       const double added = std::exchange(block, 0);
       total += added;
-      return added <= 1e-11 * total;
+      return added <= negligible * total;
     }
   };
   Sum motion_, torque_;
-  int count_ = 0, length_ = 256, quiet_ = 0;
+  std::size_t count_ = 0, length_ = first_block;
+  int quiet_ = 0;
 };
 
 }  // namespace
 
 LoopResponse loop_response(const JointController& c, double inertia, double sample_rate, double delay) {
-  constexpr std::size_t most_samples = 4'000'000;
   const double damping = c.damping.value_or(0), whole = std::floor(delay), late = delay - whole;
   const Step before = step_of(inertia, damping, late / sample_rate),
              after = step_of(inertia, damping, (1 - late) / sample_rate);
@@ -143,43 +150,187 @@ ResponseNorms certified(const Filter& f, double sign) {
   return {n.l1.upper, n.h2, sign * n.dc_gain};
 }
 
-/// Whether two joints of one controller close the same loop, at equal inertias.
+/// Whether two joints of one control close the same loop. @pre both inertias are stated
 bool close_the_same(const JointController& x, const JointController& y) {
   return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&
-         x.inertia.has_value() == y.inertia.has_value();
+         x.inertia == y.inertia;
 }
+
+LoopNorms certified_norms(const Control& control, std::size_t joint) {
+  constexpr ResponseNorms unstable{endless, endless, endless};
+  const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, *control.joints[joint].inertia));
+  if (!loop) return {unstable, unstable};
+  return {certified(loop->motion, -1), certified(loop->torque, -1)};
+}
+
+/// Up to `loops_of_run` loops, from a unit error at the first sample until all have decayed.
+class LoopRun {
+ public:
+  LoopRun(const JointController& c, const double* inertias, std::size_t count, double sample_rate,
+          double delay)
+      : filter_(filter_plan<double>(c.kd != 0 ? c.velocity_filter : Filter{{}, 1, sample_rate, 0, {1}})),
+        before_(4 * loops_of_run),
+        after_(4 * loops_of_run) {
+    const double whole = std::floor(delay), late = delay - whole;
+    plan_ = {c.kp,
+             c.kd,
+             filter_.sections.data(),
+             filter_.sections.size(),
+             filter_.taps.data(),
+             filter_.taps.size(),
+             static_cast<std::size_t>(whole),
+             late > 0,
+             before_.data(),
+             after_.data()};
+    rows_ = AlignedNumbers(LoopRows::count(plan_) * loops_of_run);
+    for (std::size_t i = 0; i < loops_of_run; ++i) {
+      running_[i] = i < count && inertias[i] > 0;
+      const double inertia = running_[i] ? inertias[i] : 1, damping = c.damping.value_or(0);
+      set(before_, i, step_of(inertia, damping, late / sample_rate));
+      set(after_, i, step_of(inertia, damping, (1 - late) / sample_rate));
+      at(LoopRows::error, i) = running_[i] ? 1 : 0;
+    }
+  }
+
+  LoopRun(const LoopRun&) = delete;  // the plan borrows
+  LoopRun& operator=(const LoopRun&) = delete;
+
+  /// Norms of each loop, infinite of one that has not decayed.
+  std::array<LoopNorms, loops_of_run> run() {
+    constexpr ResponseNorms unstable{endless, endless, endless};
+    std::array<LoopNorms, loops_of_run> norms;
+    norms.fill({unstable, unstable});
+    const LoopKernels& kernels = select_kernels<LoopKernels>(instruction_set());
+    std::array<int, loops_of_run> quiet{};
+    for (std::size_t done = 0, length = first_block;
+         done < most_samples && std::find(running_.begin(), running_.end(), true) != running_.end();
+         length += length / 8) {
+      kernels.run(plan_, rows_.data(), done, length);
+      done += length;
+      for (std::size_t i = 0; i < loops_of_run; ++i) {
+        if (!running_[i]) continue;
+        const bool small = close(motion_, LoopRows::sums, i) & close(torque_, LoopRows::sums + 3, i);
+        quiet[i] = small ? quiet[i] + 1 : 0;
+        const bool decayed = quiet[i] == 2;
+        if (decayed)
+          norms[i] = {norms_of(motion_, LoopRows::sums, i), norms_of(torque_, LoopRows::sums + 3, i)};
+        if (decayed || !std::isfinite(motion_[i] + torque_[i])) stop(i);
+      }
+    }
+    return norms;
+  }
+
+ private:
+  using Sums = std::array<double, loops_of_run>;
+
+  static void set(const AlignedNumbers& to, std::size_t loop, const Step& s) {
+    const double values[] = {s.q_of_v, s.q_of_u, s.v_of_v, s.v_of_u};
+    for (std::size_t row = 0; row < 4; ++row) to[row * loops_of_run + loop] = values[row];
+  }
+  double& at(std::size_t row, std::size_t loop) { return rows_[row * loops_of_run + loop]; }
+
+  /// Ends a block of |h|. @returns whether it is small beside the whole
+  bool close(Sums& total, std::size_t row, std::size_t loop) {
+    const double block = std::exchange(at(row, loop), 0);
+    total[loop] += block;
+    return block <= negligible * total[loop];
+  }
+  ResponseNorms norms_of(const Sums& total, std::size_t row, std::size_t loop) {
+    return {total[loop], std::sqrt(at(row + 1, loop)), at(row + 2, loop)};
+  }
+
+  /// Ends a loop, whose states would become denormal, or infinite.
+  void stop(std::size_t loop) {
+    running_[loop] = false;
+    for (std::size_t row = 0; row < LoopRows::count(plan_); ++row) at(row, loop) = 0;
+  }
+
+  FilterPlan<double> filter_;
+  AlignedNumbers before_, after_, rows_;
+  LoopPlan plan_;
+  std::array<bool, loops_of_run> running_{};
+  Sums motion_{}, torque_{};  // of |h| in the blocks that have ended
+};
 
 }  // namespace
 
-const KnownResponse& response_at(const Control& control, const Chain& chain, std::size_t joint,
-                                 const Eigen::VectorXd& q) {
-  struct Kept {
-    std::uint64_t control = 0;
-    double inertia = -1;
-    KnownResponse known;
+std::vector<LoopNorms> loop_norms(const JointController& c, const std::vector<double>& inertias,
+                                  double sample_rate, double delay) {
+  std::vector<LoopNorms> all;
+  for (std::size_t i = 0; i < inertias.size(); i += loops_of_run) {
+    const std::size_t count = std::min(loops_of_run, inertias.size() - i);
+    const auto some = LoopRun(c, inertias.data() + i, count, sample_rate, delay).run();
+    all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+  return all;
+}
+
+Control with_stated_loops(Control control) {
+  const std::size_t count = control.joints.size();
+  control.stated.assign(count, nullptr);
+  for (std::size_t j = 0; j < count; ++j) {
+    if (!control.joints[j].inertia) continue;
+    for (std::size_t k = 0; k < j && !control.stated[j]; ++k)
+      if (control.stated[k] && close_the_same(control.joints[k], control.joints[j]))
+        control.stated[j] = control.stated[k];
+    if (!control.stated[j]) control.stated[j] = std::make_shared<StatedLoop>();
+  }
+  return control;
+}
+
+LoopsOfBatch::LoopsOfBatch(std::shared_ptr<const Control> control, const Chain& chain)
+    : control_(std::move(control)), chain_(chain), joints_(control_ ? control_->joints.size() : 0) {}
+
+void LoopsOfBatch::move_to(Eigen::MatrixXd q) {
+  q_ = std::move(q);
+  for (OfJoint& joint : joints_) joint = {};
+}
+
+LoopsOfBatch::OfJoint& LoopsOfBatch::of_joint(std::size_t joint) {
+  OfJoint& of = joints_[joint];
+  if (!of.inertias.empty()) return of;
+  for (Eigen::Index i = 0; i < q_.cols(); ++i)
+    of.inertias.push_back(inertia_at(*control_, chain_, joint, q_.col(i)));
+  of.responses.resize(of.inertias.size());
+  return of;
+}
+
+const LoopNorms& LoopsOfBatch::norms(std::size_t joint, Eigen::Index configuration) {
+  if (joint < control_->stated.size() && control_->stated[joint]) {
+    StatedLoop& stated = *control_->stated[joint];
+    std::call_once(stated.of_norms, [&] { stated.norms = certified_norms(*control_, joint); });
+    return stated.norms;
+  }
+  OfJoint& of = of_joint(joint);
+  if (of.norms.empty()) {
+    std::vector<double> different = of.inertias;
+    std::sort(different.begin(), different.end());
+    different.erase(std::unique(different.begin(), different.end()), different.end());
+    const std::vector<LoopNorms> all =
+        loop_norms(control_->joints[joint], different, control_->sample_rate, control_->samples_of_delay());
+    for (const double inertia : of.inertias)
+      of.norms.push_back(all[static_cast<std::size_t>(
+          std::lower_bound(different.begin(), different.end(), inertia) - different.begin())]);
+  }
+  return of.norms[static_cast<std::size_t>(configuration)];
+}
+
+const LoopResponse& LoopsOfBatch::response(std::size_t joint, Eigen::Index configuration) {
+  const auto evaluated = [&](double inertia) {
+    return inertia > 0 ? loop_response(control_->joints[joint], inertia, control_->sample_rate,
+                                       control_->samples_of_delay())
+                       : LoopResponse{};
   };
-  static thread_local std::map<std::size_t, Kept> all;
-  Kept& kept = all[joint];
-  const double inertia = inertia_at(control, chain, joint, q);
-  if (kept.control == control.id && kept.inertia == inertia) return kept.known;
-  for (const auto& [other, of_other] : all)
-    if (other != joint && of_other.control == control.id && of_other.inertia == inertia &&
-        close_the_same(control.joints[other], control.joints[joint])) {
-      kept = of_other;
-      return kept.known;
-    }
-  kept = {control.id, inertia, {}};
-  LoopResponse& r = kept.known.response;
-  if (inertia > 0)
-    r = loop_response(control.joints[joint], inertia, control.sample_rate, control.samples_of_delay());
-  kept.known.motion = response_norms(r, &LoopResponse::motion);
-  kept.known.torque = response_norms(r, &LoopResponse::torque);
-  if (!control.joints[joint].inertia) return kept.known;
-  // Once for all configurations: exact also of a loop that decays too slowly for the recursion.
-  const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, inertia));
-  kept.known.motion = loop ? certified(loop->motion, -1) : ResponseNorms{endless, endless, endless};
-  kept.known.torque = loop ? certified(loop->torque, -1) : ResponseNorms{endless, endless, endless};
-  return kept.known;
+  if (joint < control_->stated.size() && control_->stated[joint]) {
+    StatedLoop& stated = *control_->stated[joint];
+    std::call_once(stated.of_response,
+                   [&] { stated.response = evaluated(*control_->joints[joint].inertia); });
+    return stated.response;
+  }
+  OfJoint& of = of_joint(joint);
+  const auto i = static_cast<std::size_t>(configuration);
+  if (!of.responses[i]) of.responses[i] = evaluated(of.inertias[i]);
+  return *of.responses[i];
 }
 
 }  // namespace qerr

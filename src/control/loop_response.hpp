@@ -1,6 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "control/control.hpp"
@@ -38,17 +42,62 @@ double inertia_at(const Control&, const Chain&, std::size_t joint, const Eigen::
 /// Whether the joint's loop can be closed: it has a controller, and its inertia is known.
 bool has_loop(const Control&, const Chain&, std::size_t joint);
 
-/// A joint's response and its norms: certified where the inertia is stated, else those of the recursion.
-struct KnownResponse {
-  LoopResponse response;
-  ResponseNorms motion, torque;  ///< infinite of an unstable loop
+/// Norms of a joint's closed loop; infinite of an unstable one.
+struct LoopNorms {
+  ResponseNorms motion, torque;
 
   bool stable() const { return std::isfinite(motion.l1); }
 };
 
-/// The response at a configuration; the last one of each joint and thread is kept, as neighbouring signals
-/// ask for the same, and a stated inertia never changes. @returns valid until the thread's next call for the
-/// joint
-const KnownResponse& response_at(const Control&, const Chain&, std::size_t joint, const Eigen::VectorXd& q);
+/// The norms of `loop_response` at each of several inertias: the recursions run side by side.
+std::vector<LoopNorms> loop_norms(const JointController&, const std::vector<double>& inertias,
+                                  double sample_rate, double samples_of_delay);
+
+/// A loop whose inertia is stated: its norms, certified, and its response, once for all configurations and
+/// threads.
+struct StatedLoop {
+  std::once_flag of_norms, of_response;
+  LoopNorms norms;
+  LoopResponse response;
+};
+
+/// Gives each joint of a stated inertia a loop that is not yet evaluated, in place of one of other gains.
+Control with_stated_loops(Control);
+
+/// The loops of all joints at some configurations, each evaluated when it is first asked for.
+class LoopsOfBatch {
+ public:
+  /// @param control  may be null: there are no loops
+  LoopsOfBatch(std::shared_ptr<const Control> control, const Chain&);
+
+  /// @param q  joints x configurations
+  void move_to(Eigen::MatrixXd q);
+
+  const LoopNorms& norms(std::size_t joint, Eigen::Index configuration);
+  /// Only where responses of several loops are added: else their norms say all.
+  const LoopResponse& response(std::size_t joint, Eigen::Index configuration);
+
+ private:
+  struct OfJoint {
+    std::vector<double> inertias;  // of the configurations; empty: not known yet
+    std::vector<LoopNorms> norms;
+    std::vector<std::optional<LoopResponse>> responses;
+  };
+  OfJoint& of_joint(std::size_t joint);
+
+  std::shared_ptr<const Control> control_;
+  Chain chain_;
+  Eigen::MatrixXd q_;
+  std::vector<OfJoint> joints_;
+};
+
+/// The loops at one configuration of a batch. Borrows the batch.
+struct LoopsAt {
+  LoopsOfBatch* batch;
+  Eigen::Index configuration;
+
+  const LoopNorms& norms(std::size_t joint) const { return batch->norms(joint, configuration); }
+  const LoopResponse& response(std::size_t joint) const { return batch->response(joint, configuration); }
+};
 
 }  // namespace qerr

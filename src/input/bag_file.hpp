@@ -32,7 +32,7 @@ bool is_bag(const std::string& path);
 /// Bytes of all files of a bag.
 std::uint64_t size_of_bag(const std::string& path);
 
-/// Of a recording that was split, the files in the order of their numbers are one bag.
+/// Opens a bag. The files of a recording that was split are one bag, in the order of their numbers.
 /// @param topic  of the messages; "" for all
 /// @throws Error (file_system) if the file cannot be read; (input) if it is no bag
 std::unique_ptr<BagFile> open_bag(const std::string& path, const std::string& topic);

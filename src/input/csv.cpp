@@ -107,6 +107,7 @@ void CsvReader::read_header() {
     if ((comment && !format_.header_is_comment) || std::all_of(begin, end, is_blank)) continue;
     if (limits_.semicolons && std::count(begin, end, ';') > std::count(begin, end, ','))
       format_.separator = ';';
+    header_line_.assign(begin, end);
     take_header(begin, end);
     break;
   }

@@ -34,7 +34,8 @@ struct CsvLimits {
   bool recognize = false;             ///< encoding, separator, decimal mark, header: see recognize_table
 };
 
-/// Whether a cell has no value: it is empty, or `nan` in any case of its letters, as programs write it.
+/// Whether a cell has no value: it is empty, or what programs write in its place, such as `NaN`, `N/A`,
+/// `null`, `-`.
 bool is_missing(std::string_view cell);
 
 /// Extremes of the decimals and digits of numbers.
@@ -143,6 +144,7 @@ class CsvReader {
   TextSource source_;
   CsvLimits limits_;
   TableFormat format_;
+  std::string header_line_;  // with which a logger may start again
   RowReader fast_row_ = nullptr;
   std::vector<char> buffer_;
   std::size_t row_ = 0;        // start in the buffer of the current row

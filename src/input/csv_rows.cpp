@@ -106,8 +106,11 @@ void make_decimal_point(char* begin, const char* end) {
 }  // namespace
 
 bool is_missing(std::string_view text) {
-  return text.empty() ||
-         (text.size() == 3 && (text[0] | 0x20) == 'n' && (text[1] | 0x20) == 'a' && (text[2] | 0x20) == 'n');
+  static constexpr std::string_view words[]{"", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--"};
+  std::string lower(text.substr(0, 5));
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  return std::find(std::begin(words), std::end(words), lower) != std::end(words);
 }
 
 const char* read_number(const char* p, double& value, WrittenNumbers& written) {
@@ -196,7 +199,11 @@ bool CsvReader::next_record() {
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
-    if (!std::all_of(begin, end, is_blank)) return true;
+    if (std::all_of(begin, end, is_blank)) continue;
+    // Loggers write remarks between the rows, and their header once more where they start again.
+    if (limits_.recognize && (*begin == '#' || std::string_view(begin, end - begin) == header_line_))
+      continue;
+    return true;
   }
 }
 
@@ -239,7 +246,7 @@ const char* CsvReader::record_end(const char* begin) {
 void CsvReader::ragged(std::size_t cells) const {
   const char* const row = buffer_.data() + row_;
   std::string remedy = counted(header_.size(), "cell");
-  if (*row == '#')
+  if (*row == '#')  // of another table than a log
     remedy = "comments are allowed only before the header";
   else if (unterminated_ && next_ == end_)
     remedy += "; the file ends within this row: was the recording cut off?";

@@ -39,7 +39,7 @@ constexpr UnitWords unit_words[]{
     {"um", " micron microns micrometer micrometers micrometre micrometres "},
     {"count",
      " tick ticks pulse pulses cts cnt cnts inc incs increment increments lsb qc inkremente "
-     "inkrement impulse impulsions points pts "},
+     "inkrement impulse impulsions imp points pts "},
     {"A", " amp amps ampere amperes "},
     {"mA", " milliamp milliamps "},
     {"N m", " nm n\u00b7m n*m n-m n.m n\u22c5m newton-meter newton-meters newtonmeter "},
@@ -67,7 +67,7 @@ ColumnName by_underscore(const std::string& text) {
   const std::string unit = unit_in_words(word);
   const bool letter = word.size() == 1 && !(word == "s" && is_time_name(name));
   // `encoder_counts` is a name.
-  if (unit.empty() || unit == "count" || unit == "A" || letter) return {text, {}};
+  if (unit.empty() || unit == "count" || unit == "counts" || unit == "A" || letter) return {text, {}};
   return {name, unit};
 }
 

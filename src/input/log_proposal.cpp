@@ -39,7 +39,8 @@ constexpr RoleWords role_words[]{
     {ColumnRole::temperature, " temperature temperatures temp temperatur "},
     {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
     {ColumnRole::counts,
-     " counts count ticks tick raw pulses increments inkremente impulse cnt steps encodercounts "},
+     " counts count ticks tick raw pulses increments inkremente impulse cnt cnts cts imp steps encodercounts "
+     "compteur z\u00e4hler zaehler impulsions "},
     {ColumnRole::position,
      " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
      "encoder enc motor link reference ref truth angulaire deg rad rotation phi feedback data "
@@ -116,7 +117,7 @@ std::vector<double> numbers_of(const std::vector<std::string>& texts) {
   return numbers;
 }
 
-/// Of two columns of one table; 0 if one of them rests, or has gaps.
+/// Correlation coefficient of two columns of one table; 0 if one of them rests, or has gaps.
 double correlation_of(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<Eigen::Index>(x.size());
   if (x.size() != y.size() || x.size() < 10) return 0;
@@ -237,6 +238,32 @@ class MappingGuess {
         if (!column->joint && (numbered || joints == 1) && static_cast<std::size_t>(index) < joints)
           column->joint = static_cast<std::size_t>(index);
       }
+    name_joints_in_order();
+  }
+
+  /// Where no header has the name of a joint, but the headers have as many names as there are joints, in
+  /// another language say, they are the joints in the order of the chain.
+  void name_joints_in_order() {
+    std::vector<std::string> names;
+    std::vector<std::pair<GuessedColumn*, std::size_t>> named;
+    for (GuessedColumn& c : columns_) {
+      if (c.joint) return;
+      if (c.role != ColumnRole::position && c.role != ColumnRole::counts) continue;
+      std::string name;
+      for (const std::string& word : c.words)
+        if (!is_known_word(word)) name += (name.empty() ? "" : " ") + word;
+      if (name.empty()) return;
+      const auto at = std::find(names.begin(), names.end(), name);
+      named.emplace_back(&c, at - names.begin());
+      if (at == names.end()) names.push_back(name);
+    }
+    if (names.size() != spec_.model.chain.independent.size()) return;
+    for (const auto& [column, joint] : named) column->joint = joint;
+  }
+
+  static bool is_known_word(const std::string& word) {
+    return role_of({word}) != ColumnRole::none || has_word(motor_words, word) || has_word(load_words, word) ||
+           has_word(sensor_words, word);
   }
 
   /// Of a table without header: the first column that rises is the time, the others are the joints in order.
@@ -314,7 +341,7 @@ class MappingGuess {
     return known || !positions.empty();
   }
 
-  /// Of a joint with one position, the only other column whose values follow it, whatever it is called.
+  /// The only other column whose values follow the position of a joint that has one, whatever it is called.
   std::optional<const GuessedColumn*> lone_follower(
       const std::vector<const GuessedColumn*>& positions) const {
     constexpr double follows = 0.9999;  // backlash of 1 % of the motion is a correlation of 0.9999

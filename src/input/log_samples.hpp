@@ -77,7 +77,7 @@ std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const
 /// For a bag (see BagFile): a first pass finds its signals, and each stream of samples is read again.
 std::vector<std::unique_ptr<LogSamples>> open_bag_log(const std::string& path, const LogReading&, LogClock&);
 
-/// Of arrays in memory, which must outlive the result.
+/// Opens arrays in memory as a log. They must outlive the result.
 /// @throws Error (input) if they do not have equally many values
 std::unique_ptr<LogSamples> array_samples(const std::vector<LogArray>&, const CsvLimits&, const LogReading&,
                                           LogClock&);

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <atomic>
 #include <memory>
 
 #include "control/loop.hpp"
+#include "control/loop_response.hpp"
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
@@ -165,11 +165,6 @@ void read_controllers(const Field& f, const RobotModel& robot, Spec& spec, Contr
   of_entries.raise();
 }
 
-std::uint64_t new_id() {
-  static std::atomic<std::uint64_t> controls{0};
-  return ++controls;
-}
-
 }  // namespace
 
 void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
@@ -183,6 +178,9 @@ void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
   if (o.has("joints")) read_controllers(o.at("joints"), robot, spec, control);
   const auto acts = [](const JointController& c) { return c.acts(); };
   if (o.has("tip")) {
+    if (spec.model.tips)
+      throw Error(o.at("tip").fault("is an impedance of one tip, and the robot has several",
+                                    "give the spec one 'robot.tip'"));
     if (std::any_of(control.joints.begin(), control.joints.end(), acts))
       throw Error(o.at("tip").fault("torques have one controller, at the joints or at the tip",
                                     "leave out kp and kd of the joints, or the tip"));
@@ -195,23 +193,20 @@ void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
     throw Error(o.at("delay").fault("is longer than 64 samples",
                                     "give the time from reading to torque, such as 1 ms"));
   check_inertias(f, control, spec);
-  control.id = new_id();
   add_controllers(f, control, spec);
-  spec.model.control = std::make_shared<const Control>(std::move(control));
+  spec.model.control = std::make_shared<const Control>(with_stated_loops(std::move(control)));
 }
 
 std::shared_ptr<const Control> with_velocity_filters(const std::shared_ptr<const Control>& control,
                                                      const std::vector<NamedFilter>& filters) {
   if (!control) return nullptr;
-  auto changed = std::make_shared<Control>(*control);
-  changed->id = new_id();
-  for (JointController& c : changed->joints)
+  Control changed = *control;
+  for (JointController& c : changed.joints)
     for (const NamedFilter& f : filters)
       if (f.name == c.velocity && !c.velocity.empty()) c.velocity_filter = f.filter;
   for (const NamedFilter& f : filters)
-    if (changed->tip && f.name == changed->tip->velocity)
-      changed->tip->velocity_sums = response_sums(f.filter);
-  return changed;
+    if (changed.tip && f.name == changed.tip->velocity) changed.tip->velocity_sums = response_sums(f.filter);
+  return std::make_shared<const Control>(with_stated_loops(std::move(changed)));
 }
 
 void update_controllers(const Control& control, std::vector<NamedFilter>& filters) {
@@ -228,6 +223,9 @@ void read_walls(const Field& f, Spec& spec, Faults& faults) {
   if (!spec.model.control)
     throw Error(f.fault("walls need the rate, damping and friction of `control`",
                         "add control: {sample_rate: 1 kHz, joints: {'*': {damping: ..., friction: ...}}}"));
+  if (spec.model.tips)
+    throw Error(
+        f.fault("a wall is felt by one tip, and the robot has several", "give the spec one 'robot.tip'"));
   Control control = *spec.model.control;
   for (const auto& [key, field] : read_map(f))
     faults.guard([&, &key = key, &field = field] {

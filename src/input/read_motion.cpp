@@ -138,6 +138,9 @@ void read_effect(const Field& f, const NamedEffects& named, const RobotModel& ro
   std::vector<Parameter> format = spec_format::effect();
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);
+  if (spec.model.tips && (kind.stage == Stage::kinematics || kind.need == Need::effort))
+    throw Error(o.at("type").fault("belongs to one chain, and the robot has several tips",
+                                   "give the spec one 'robot.tip', or leave the effect out"));
   for (const Parameter& row : kind.parameters)
     if (row.dimension == dimension::angle && o.has(row.name))
       warn_of_degrees(o.at(row.name), 1, spec.warnings);
@@ -151,8 +154,9 @@ void read_effect(const Field& f, const NamedEffects& named, const RobotModel& ro
     if (*o.text("joint") != name && named.contains({std::string(kind.name), name})) continue;
     if (kind.displacements && leads_to_parent(robot, spec.model.chain, name))
       throw Error(o.at("joint").fault(
-          "the way from base to tip leads from this joint's child to its parent, which has no such effect",
-          "displace the next joint of the way, or choose a base above"));
+          "the way from base to tip leads from this joint's child to its parent: a displacement before it on "
+          "the way is, in the URDF, the opposite one of the <origin> of the joint that is passed before",
+          "correct that <origin> in the URDF, or choose a base above"));
     of_joints.guard(spec.model.chain.independent[index], f,
                     [&] { spec.effects.push_back(effect_on(o, kind, format, index, spec)); });
   }

@@ -44,6 +44,8 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name);
   for (std::string& name : signal_names(spec.model)) known.push_back(std::move(name));
   const std::optional<Coordinate> coordinate = find_coordinate(word);
+  if (coordinate && spec.model.tips)
+    throw Error(f.fault("which of the tips is not said", of_which_tip(spec.model, word)));
   if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
     std::string listed;
     for (const Coordinate c : spec.model.coordinates)

@@ -45,10 +45,14 @@ RobotModel read_dh(const Field&, const std::string& convention, const std::strin
                    std::vector<std::string>& warnings);
 /// The pose of the tool in the tip link.
 Eigen::Isometry3d read_tool(const Field&);
+/// The remedy of a coordinate without its tip. @pre the model has several tips
+std::string of_which_tip(const OperationalModel&, const std::string& coordinate);
 /// Adds a length, and those of its components that are missing.
 void add_length(Coordinate, OperationalModel&);
 /// Adds a signal that is no coordinate of the tip.
 void add_signal(const Signal&, OperationalModel&);
+/// Adds x, y and z of each tip of several, as coordinates by default.
+void add_positions_of_tips(OperationalModel&);
 void read_coordinates(const Field&, Spec&);
 void read_filters(const Field&, const RobotModel&, Spec&, Faults&);
 /// The norms of a filter.

@@ -20,6 +20,12 @@ bool contains(const std::vector<Value>& list, const Value& value) {
 
 }  // namespace
 
+std::string of_which_tip(const OperationalModel& model, const std::string& coordinate) {
+  return "write " + model.tips->front().name + '.' + coordinate +
+         (model.tips->size() > 1 ? " or " + (*model.tips)[1].name + '.' + coordinate : "") +
+         "; tips have x y z rx ry rz";
+}
+
 void add_length(Coordinate length, OperationalModel& model) {
   if (contains(model.lengths, length)) return;
   for (int k = 0; k < 3; ++k) {
@@ -35,9 +41,18 @@ void add_signal(const Signal& signal, OperationalModel& model) {
   if (!known) model.signals.push_back(signal);
 }
 
+void add_positions_of_tips(OperationalModel& model) {
+  for (const NamedTip& tip : *model.tips)
+    for (const Coordinate c : {Coordinate::x, Coordinate::y, Coordinate::z})
+      if (tip.name.find('-') == std::string::npos)  // of one relative to another
+        for (const Signal& s : find_signals(model, tip.name + '.' + std::string(info(c).name)))
+          add_signal(s, model);
+}
+
 void read_coordinates(const Field& f, Spec& spec) {
   std::vector<std::string> all;
-  for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
+  if (!spec.model.tips)
+    for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
   for (std::string& name : signal_names(spec.model)) all.push_back(std::move(name));
   std::vector<std::string> named;
   std::vector<Coordinate> lengths;
@@ -46,6 +61,8 @@ void read_coordinates(const Field& f, Spec& spec) {
   for (const Field& item : read_list(f, "[x, y, z]")) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
+    if (coordinate && model.tips)
+      throw Error(item.fault("which of the tips is not said", of_which_tip(model, name)));
     const std::vector<Signal> signals =
         coordinate ? std::vector{signal_of(*coordinate)} : find_signals(model, name);
     if (signals.empty()) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));

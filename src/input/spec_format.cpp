@@ -93,6 +93,10 @@ const std::vector<Parameter>& robot() {
        .choices = "standard|modified"},
       {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
       {.name = "tip", .kind = Kind::text, .meaning = "tip link; optional if the tree has one leaf"},
+      {.name = "tips",
+       .kind = Kind::map,
+       .meaning = "several tips in place of one, {left: LINK, right: LINK}: coordinates are left.x, and "
+                  "right-left.x for one relative to the other, in the axes of the other"},
       {.name = "tool", .kind = Kind::object, .meaning = "moves the tip: its pose in the tip link"},
   };
   return rows;

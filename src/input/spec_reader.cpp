@@ -57,7 +57,10 @@ Error placed_in_spec(const Error& e, const Field& robot) {
   std::vector<Fault> faults = e.faults();
   for (Fault& fault : faults) {
     if (!fault.key.starts_with("robot.")) continue;
-    const Node* value = robot.node->find(std::string_view(fault.key).substr(6));
+    const std::string key = fault.key.substr(6);
+    const std::size_t dot = key.find('.');  // of tips.NAME
+    const Node* value = robot.node->find(key.substr(0, dot));
+    if (value && dot != std::string::npos) value = value->find(key.substr(dot + 1));
     fault.place = value ? value->place : robot.node->place;
   }
   return Error(faults, e.trouble());
@@ -100,13 +103,15 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
       {{"coordinates", "frame"},
        {"requirements", "filters", "control", "walls"},  // which may add lengths and joints
        [](Spec& spec) {
-         spec.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
+         spec.model.coordinates.clear();
+         if (!spec.model.tips) spec.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
          spec.model.lengths.clear();
          spec.model.signals.clear();
          spec.model.frame = CoordinateFrame::base;
        },
        [](SpecReader& r, const Object& top) {
          if (r.joint_coordinate_) r.spec_.model.coordinates = {*r.joint_coordinate_};
+         if (r.spec_.model.tips && !top.has("coordinates")) add_positions_of_tips(r.spec_.model);
          section(top, "coordinates", r.faults_, [&](const Field& f) { read_coordinates(f, r.spec_); });
          r.faults_.guard([&] {
            if (top.choice("frame") == "tip") r.spec_.model.frame = CoordinateFrame::tip;
@@ -336,8 +341,12 @@ void SpecReader::read_chain(const Field& f) {
     }
     spec_.robot_name = robot_->name;
     try {
-      spec_.model.chain = make_chain(*robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
-      spec_.warnings = warnings_about(*robot_, spec_.model.chain);
+      if (o.has("tips")) {
+        read_tips(o);
+      } else {
+        spec_.model.chain = make_chain(*robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
+        spec_.warnings = warnings_about(*robot_, spec_.model.chain);
+      }
       spec_.warnings.insert(spec_.warnings.end(), warnings.begin(), warnings.end());
     } catch (const Error& e) {
       throw placed_in_spec(e, f);
@@ -345,6 +354,34 @@ void SpecReader::read_chain(const Field& f) {
     if (o.has("tool")) spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_tool(o.at("tool"));
     warn_about_units(spec_.model.chain, spec_.warnings);
   });
+}
+
+/// Names of tips are parts of `left.x` and `right-left.x`.
+void SpecReader::read_tips(const Object& robot) {
+  for (const char* key : {"tip", "tool"})
+    if (robot.has(key))
+      throw Error(robot.at(key).fault("a robot of several tips has 'tips' alone",
+                                      "leave it out; a tool may be a fixed link of the URDF"));
+  std::vector<std::pair<std::string, std::string>> tips;
+  for (const auto& [key, link] : read_map(robot.at("tips"))) {
+    const bool word = std::all_of(key.name.begin(), key.name.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!word || key.name.empty())
+      throw Error({key.place, link.path, "the name of a tip has letters, digits and '_'", quoted(key.name),
+                   "such as left"});
+    tips.emplace_back(key.name, read_text_value(link));
+  }
+  if (tips.empty())
+    throw Error(robot.at("tips").fault("has no tip", "write tips: {left: LINK, right: LINK}"));
+  spec_.model.tips = std::make_shared<const std::vector<NamedTip>>(
+      make_chains(*robot_, robot.text("base").value_or(""), tips));
+  spec_.model.chain = spec_.model.tips->front().chain;
+  spec_.warnings.clear();
+  for (std::size_t i = 0; i < tips.size(); ++i)
+    for (std::string& warning : warnings_about(*robot_, (*spec_.model.tips)[i].chain))
+      if (std::find(spec_.warnings.begin(), spec_.warnings.end(), warning) == spec_.warnings.end())
+        spec_.warnings.push_back(std::move(warning));
 }
 
 std::string SpecReader::find_urdf(const Field& urdf, const std::string& given) const {

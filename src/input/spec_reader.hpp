@@ -50,6 +50,7 @@ class SpecReader {
 
   Object checked_top(const Node& root);
   void read_chain(const Field&);
+  void read_tips(const Object& robot);
   std::string find_urdf(const Field& urdf, const std::string& given) const;
   void run(const Stage&, const Object& top, std::size_t index);
   Spec finished() const;

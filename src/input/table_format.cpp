@@ -182,7 +182,8 @@ void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
     for (std::size_t k = i + 1;
          k < lines.size() && (k == i + 1 || cells[k].numbers > 0 || !fits(k) || !is_row(k + 1)); ++k)
       rows += is_row(k) && cells[k].cells == f.cells;
-    if (best < lines.size() && rows <= most_rows) continue;
+    const bool again = best < lines.size() && lines[i].text == lines[best].text;  // the logger was restarted
+    if (best < lines.size() && (rows <= most_rows || again)) continue;
     best = i, most_rows = rows, f.has_units = units;
   }
   const auto first = static_cast<std::size_t>(

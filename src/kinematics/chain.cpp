@@ -178,6 +178,57 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
   return chain;
 }
 
+namespace {
+
+/// Gives the chains the independent joints of all of them.
+void share_joints(std::vector<NamedTip>& tips) {
+  std::vector<IndependentJoint> all;
+  for (NamedTip& tip : tips) {
+    std::vector<std::size_t> place;  // of the chain's joints, in `all`
+    for (const IndependentJoint& joint : tip.chain.independent) {
+      const auto found = std::find_if(
+          all.begin(), all.end(), [&](const IndependentJoint& other) { return other.name == joint.name; });
+      place.push_back(static_cast<std::size_t>(found - all.begin()));
+      if (found == all.end())
+        all.push_back(joint);
+      else
+        found->on_chain = found->on_chain || joint.on_chain;
+    }
+    for (ChainJoint& joint : tip.chain.joints) joint.coordinate = place[joint.coordinate];
+  }
+  for (NamedTip& tip : tips) tip.chain.independent = all;
+}
+
+/// Whether a joint moves one link against the other.
+bool moves(const RobotModel& robot, const std::string& base, const std::string& tip) {
+  const TreePath path = find_path(robot, base, tip);
+  return std::any_of(path.joints.begin(), path.joints.end(),
+                     [&](std::size_t i) { return robot.joints[i].type != JointType::fixed; });
+}
+
+}  // namespace
+
+std::vector<NamedTip> make_chains(const RobotModel& robot, const std::string& base,
+                                  const std::vector<std::pair<std::string, std::string>>& tips) {
+  std::vector<NamedTip> all;
+  for (const auto& [name, link] : tips) {
+    try {
+      all.push_back({name, make_chain(robot, base, link)});
+    } catch (const Error& e) {
+      std::vector<Fault> faults = e.faults();
+      for (Fault& fault : faults)
+        if (fault.key == "robot.tip") fault.key = "robot.tips." + name;
+      throw Error(faults, e.trouble());
+    }
+  }
+  for (const auto& [name, link] : tips)
+    for (const auto& [other, from] : tips)
+      if (name != other && moves(robot, from, link))
+        all.push_back({name + '-' + other, make_chain(robot, from, link)});
+  share_joints(all);
+  return all;
+}
+
 std::vector<std::string> warnings_about(const RobotModel& robot, const Chain& chain) {
   const TreePath path = find_path(robot, chain.base, chain.tip);
   const UsedParts used(robot, path);

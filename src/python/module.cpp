@@ -30,16 +30,27 @@ struct Ran {
   int code = 0;
   std::map<std::string, std::string> reports;
   Words warnings;
+  py::dict columns;
 };
+
+/// An array that owns its numbers.
+py::array_t<double> array_of(std::vector<double> numbers) {
+  auto* values = new std::vector<double>(std::move(numbers));
+  const py::capsule owner(values, [](void* p) { delete static_cast<std::vector<double>*>(p); });
+  return py::array_t<double>(static_cast<py::ssize_t>(values->size()), values->data(), owner);
+}
 
 /// Runs a command line in a thread, so that this one can see Ctrl-C. One runs at a time: the files of a run
 /// are those of the process.
 /// @param formats  in which the report is wanted
 /// @param log  the columns of a log, read where they are
-Ran run(const Words& words, const Words& formats, const std::vector<std::pair<std::string, Column>>& log) {
+/// @param columns  whether the figures of every configuration are wanted, as arrays
+Ran run(const Words& words, const Words& formats, const std::vector<std::pair<std::string, Column>>& log,
+        bool columns) {
   static std::mutex running;
   qerr::cli::Caller caller;
   caller.formats = formats;
+  caller.wants_columns = columns;
   for (const auto& [name, values] : log) {
     if (values.ndim() != 1) throw py::value_error("column '" + name + "' must have one dimension");
     caller.log.push_back({name, values.data(), static_cast<std::size_t>(values.size()),
@@ -84,6 +95,8 @@ Ran run(const Words& words, const Words& formats, const std::vector<std::pair<st
   if (failure) std::rethrow_exception(failure);
   ran.reports = std::move(caller.reports);
   ran.warnings = std::move(caller.warnings);
+  for (std::size_t i = 0; i < caller.columns.names.size(); ++i)
+    ran.columns[caller.columns.names[i].c_str()] = array_of(std::move(caller.columns.values[i]));
   return ran;
 }
 
@@ -123,12 +136,7 @@ py::dict columns(const std::string& path) {
   for (std::vector<double> row(all.size()); table.next(row.data());)
     for (const std::size_t c : all) numbers[c].push_back(row[c]);
   py::dict arrays;
-  for (const std::size_t c : all) {
-    auto* values = new std::vector<double>(std::move(numbers[c]));
-    const py::capsule owner(values, [](void* p) { delete static_cast<std::vector<double>*>(p); });
-    arrays[table.header()[c].c_str()] =
-        py::array_t<double>(static_cast<py::ssize_t>(values->size()), values->data(), owner);
-  }
+  for (const std::size_t c : all) arrays[table.header()[c].c_str()] = array_of(std::move(numbers[c]));
   return arrays;
 }
 
@@ -175,8 +183,10 @@ PYBIND11_MODULE(_qerr, m) {
   py::class_<Ran>(m, "Ran")
       .def_readonly("code", &Ran::code)
       .def_readonly("reports", &Ran::reports)
-      .def_readonly("warnings", &Ran::warnings);
-  m.def("run", &run, py::arg("words"), py::arg("formats"), py::arg("log") = py::list());
+      .def_readonly("warnings", &Ran::warnings)
+      .def_readonly("columns", &Ran::columns);
+  m.def("run", &run, py::arg("words"), py::arg("formats"), py::arg("log") = py::list(),
+        py::arg("columns") = false);
   m.def("columns", &columns);
   m.def("options", &options);
   m.def("json_schema", &qerr::json_schema);

@@ -42,7 +42,7 @@ RowsOf<Report> spec_header(std::string_view command, SpecOf spec_of) {
        {"robot",
         {{"name", [spec_of](auto& r) { return spec_of(r).robot_name; }},
          {"base", [spec_of](auto& r) { return spec_of(r).model.chain.base; }},
-         {"tip", [spec_of](auto& r) { return spec_of(r).model.chain.tip; }}}}});
+         {"tip", [spec_of](auto& r) { return tips_of(spec_of(r).model); }}}}});
 }
 template <class Report>
 RowsOf<Report> spec_header(std::string_view command) {

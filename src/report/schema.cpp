@@ -256,6 +256,7 @@ std::string json_schema() {
   for (const SignalKind& kind : signal_kinds()) names.push_back(kind.group);
   Json robot = object_of(spec_format::robot());
   refine(robot, "tool", tool());
+  refine(robot, "tips", schema::map({{"type", "string"}}));
   refine(robot, "joint", object_of(spec_format::joint()));
   refine(robot, "dh", non_empty_list_of(object_of(spec_format::dh_row())));
   for (const char* key : {"urdf", "joint", "dh"})

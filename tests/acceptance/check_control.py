@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """Checks controllers, loops and walls of `qerr analyze` against an own computation and simulations.
 
-    check_control.py --qerr PATH [--count 12] [--seed 1]
+    check_control.py --qerr PATH [--count 12] [--inertias 0] [--loops 8] [--unstable 6] [--walls 6] [--seed 1]
 
 Random planar arms of two joints with masses, couplings, velocity filters, gains, delays (fractions of a sample, too) and
 stated or varying inertias. Torques: norms of the impulse response kp + kd h. Closed loops: responses by a matrix
 exponential of the plant, at every configuration; margins on a grid, refined by bisection; unstable loops by the growth of
 their response. Stable loops are then simulated with the quantizer in the loop at random offsets: never above the bounds.
-Walls: the formulas, and of one axis the energy of random hand motions below the limit and of the critical motions above.
+Walls: the formulas.
+
+--loops: single joints, whose bounds are those that the program states, with the quantizer in the loop from many starts and
+offsets at once; --unstable: loops above their critical gain by a millionth or more, and loops without damping; --walls:
+energy of random hand motions at 0.99 of the program's limit, and of the two critical motions of one axis at 1.3 of it.
 """
 import argparse
 import json
@@ -219,7 +223,7 @@ def summed(parts):
     return total
 
 
-def check_case(case, report, worst, reached, tally, rng, name):
+def check_case(case, report, worst, reached, tally, rng, name, searched=False):
     delta, coupling = case.delta(), case.coupling
     velocity = filters.impulse(case.filter).astype(float)
     by_signal = {}
@@ -254,6 +258,8 @@ def check_case(case, report, worst, reached, tally, rng, name):
             for key, value in loops[0][j].margins().items():
                 if math.isfinite(value):
                     worst["margin"].add(f"{name} {joint} {key}", told[key], value)
+        elif searched and told["stable"]:
+            check_inertias(case, told, worst["margin"], f"{name} {joint}")
         count = np.abs(coupling[j]) @ delta
         if np.count_nonzero(coupling[j]) == 1:
             reached.append(check_quantized(loops[0][j], responses[0][j], count, tally, rng, f"{name} {joint}"))
@@ -270,6 +276,32 @@ def check_case(case, report, worst, reached, tally, rng, name):
             worst["closed"].add(f"{name} tip {c} sigma", row["sigma"]["mean"], float(np.mean(sigma)))
     if report["control"]["walls"]:
         check_wall_figures(case, report["control"]["walls"][0], worst["wall"], name)
+
+
+def check_inertias(case, told, worst, name):
+    """The least margins between the inertias of the configurations: on a grid, then by golden sections about the least."""
+    inertias = [case.inertia(0, q) for q in case.points]
+    low, ratio = min(inertias), math.log(max(inertias) / min(inertias))
+    known = {}
+
+    def at(place):
+        if place not in known:
+            known[place] = Loop(case, 0, low * math.exp(ratio * place)).margins()
+        return known[place]
+
+    grid = np.linspace(0, 1, 25)
+    for key in ("gain_margin", "phase_margin", "bandwidth"):
+        values = [at(g)[key] for g in grid]
+        if not all(map(math.isfinite, values)):
+            continue
+        i = int(np.argmin(values))
+        a, b = grid[max(i - 1, 0)], grid[min(i + 1, len(grid) - 1)]
+        least = min(values)
+        for _ in range(14):
+            left, right = a + 0.382 * (b - a), a + 0.618 * (b - a)
+            x, y = at(left)[key], at(right)[key]
+            least, (a, b) = min(least, x, y), (a, right) if x < y else (left, b)
+        worst.add(f"{name} {key} between inertias", told[key], least)
 
 
 def check_quantized(loop, response, count, tally, rng, name):
@@ -303,10 +335,192 @@ def check_wall_figures(case, told, worst, name):
         worst.add(f"{name} wall {key}", told[key], value)
 
 
+class Single:
+    """A loop of one joint with a stated inertia; what Loop needs of a Case."""
+
+    def __init__(self, rng):
+        u = rng.uniform
+        self.rate, self.delta = 10 ** u(2, 4.5), 10 ** u(-6, -2)
+        self.filter = {"derivative": 1, "sample_rate": self.rate}
+        if rng.random() < 0.8:
+            self.filter["lowpass"] = {"family": rng.choice(["first_order", "butterworth"]), "order": rng.randint(1, 3),
+                                      "cutoff": self.rate * u(0.02, 0.2)}
+        self.delay = rng.choice([0, 1, 2, u(0, 2), u(0, 2)]) / self.rate
+        inertia, omega = 10 ** u(-4, 1), self.rate * 10 ** u(-1.9, -0.8)
+        self.joints = [{"kp": inertia * omega**2, "kd": 2 * u(0.2, 1.2) * inertia * omega, "inertia": inertia,
+                        "damping": inertia * self.rate * 10 ** u(-4, 0) if rng.random() < 0.5 else 0.0, "friction": 0.0}]
+
+    def loop(self):
+        return Loop(self, 0, self.joints[0]["inertia"])
+
+    def report(self, qerr, folder, walls=""):
+        j, low = self.joints[0], self.filter.get("lowpass")
+        lowpass = "" if not low else f", lowpass: {{family: {low['family']}, order: {low['order']}, cutoff: {low['cutoff']!r}}}"
+        gains = f"kp: {j['kp']!r}, " + (f"kd: {j['kd']!r}, velocity: v, " if j["kd"] else "")
+        (folder / "single.yaml").write_text(
+            f"qerr: 1\nrobot: {{joint: {{name: j, type: prismatic, limits: [-1, 1]}}}}\nencoders: {{j: {{resolution: {self.delta!r}}}}}\n"
+            f"filters: {{v: {{derivative: 1, sample_rate: {self.rate!r}{lowpass}}}}}\n"
+            f"control: {{sample_rate: {self.rate!r}, delay: {self.delay!r}, joints: {{j: {{{gains}"
+            f"inertia: {j['inertia']!r}, damping: {j['damping']!r}, friction: {j['friction']!r}}}}}}}\n{walls}"
+            "configurations: {method: list, points: [[0]]}\n")
+        return run(qerr, "analyze", "single.yaml", "-q", "--json", cwd=folder)
+
+
+def quantized(loop, quantum, starts, offsets, speeds, count):
+    """Largest motion and torque in the second half of many runs with the quantizer in the loop, side by side."""
+    x = np.array([starts, speeds])
+    past = [np.zeros(len(starts)) for _ in range(loop.whole + 2)]
+    states = [([np.zeros(len(starts)) for _ in b], [np.zeros(len(starts)) for _ in a[1:]]) for b, a in loop.sections]
+    first, motion, torque = None, 0.0, 0.0
+    for k in range(count):
+        reading = quantum * np.floor((x[0] - offsets) / quantum + 0.5) + offsets
+        first = reading if first is None else first  # the filter has rested there
+        value = reading - first
+        for (b, a), (ins, outs) in zip(loop.sections, states):
+            ins.insert(0, value)
+            ins.pop()
+            value = sum(c * v for c, v in zip(b, ins)) - sum(c * v for c, v in zip(a[1:], outs))
+            if outs:
+                outs.insert(0, value)
+                outs.pop()
+        past.insert(0, -loop.joint["kp"] * reading - loop.joint["kd"] * value)
+        past.pop()
+        if k > count // 2:
+            motion, torque = max(motion, np.abs(x[0]).max()), max(torque, np.abs(past[0]).max())
+        if loop.late > 0:
+            x = loop.early[0] @ x + np.outer(loop.early[1], past[loop.whole + 1])
+        x = loop.after[0] @ x + np.outer(loop.after[1], past[loop.whole])
+    return motion, torque
+
+
+def check_loops(t, qerr, folder, count, seed):
+    """Stable loops at rest near the set point: what quantization keeps alive is within the bounds, and comes near them."""
+    done = beyond_half = nearest = 0
+    for i in range(100 * count):
+        rng = random.Random(f"loop {seed} {i}")
+        case = Single(rng)
+        loop = case.loop()
+        response = loop.response()
+        if response is None or len(response[0]) > 4000:  # of slow ones the start would not decay in time
+            continue
+        ran = case.report(qerr, folder)
+        if not t.check(f"loop {i} runs", ran.code == 0, ran.err.decode()[:300]):
+            continue
+        report = json.loads(ran.out)
+        bounds = {row["signal"]: row["worst_case"]["max"] for row in report["position"] if "signal" in row}
+        runs, d = 48, case.delta
+        starts = [rng.uniform(-3, 3) * d for _ in range(runs)]
+        offsets = np.array([rng.choice([0, 0.5, rng.uniform(-0.5, 0.5)]) * d for _ in range(runs)])
+        speeds = [rng.uniform(-1, 1) * d * case.rate * 0.1 for _ in range(runs)]
+        length = len(response[0])
+        motion, torque = quantized(loop, d, starts, offsets, speeds, 2 * min(length, 3000))
+        slack = 1 + 1e-6
+        t.check(f"loop {i} is within its bounds", motion <= bounds["closed_position"] * slack
+                and torque <= bounds["closed_torque"] * slack, f"{motion} {torque} {bounds}")
+        done, part = done + 1, torque / bounds["closed_torque"]
+        beyond_half, nearest = beyond_half + (part > 0.5), max(nearest, part)
+        if done == count:
+            break
+    t.check(f"{beyond_half} of {done} quantized loops go beyond half of the torque's bound, the nearest to {nearest:.2f} of it",
+            done == count and beyond_half >= 0.3 * count)
+
+
+def check_unstable(t, qerr, folder, count, seed):
+    done = 0
+    for i in range(100 * count):
+        rng = random.Random(f"unstable {seed} {i}")
+        case = Single(rng)
+        kind = ("beyond", "marginal", "undamped")[done % 3]
+        joint = case.joints[0]
+        if kind == "undamped":  # a delayed spring without damping gains energy
+            joint["kd"] = joint["damping"] = 0.0
+            factor = 1.0
+        else:
+            loop = case.loop()
+            if loop.response() is None:
+                continue
+            critical = loop.margins()["gain_margin"]
+            if not math.isfinite(critical):
+                continue
+            factor = critical * (1 + 1e-6 if kind == "marginal" else rng.uniform(1.05, 2))
+        joint["kp"] *= factor
+        joint["kd"] *= factor
+        if kind == "beyond" and case.loop().response() is not None:  # stable again at a higher gain
+            continue
+        told = json.loads(case.report(qerr, folder).out)
+        bounds = [row["worst_case"]["max"] for row in told["position"] if "signal" in row]
+        t.check(f"{kind} loop {i} is told to be unstable", not told["control"]["loops"][0]["stable"] and len(bounds) >= 2
+                and all(b is None for b in bounds), f"{bounds} {told['control']['loops']}")
+        if kind == "marginal":
+            for key in ("kp", "kd"):
+                joint[key] *= (1 - 2e-6)
+            told = json.loads(case.report(qerr, folder).out)
+            t.check(f"marginal loop {i} is stable just below", told["control"]["loops"][0]["stable"])
+        done += 1
+        if done == count:
+            return
+    t.check(f"{count} unstable loops", False, f"only {done} found")
+
+
+def hand_energy(case, stiffness, x, fine):
+    """Energy that the hand puts in along a motion, straight between points `fine` of which are a sample: against the wall's
+    held force, viscous damping and Coulomb friction. Inertia gives back what it takes."""
+    k = np.arange(len(x) - 1) - int(round(case.delay * case.rate * fine))
+    sample = np.where(k < 0, 0, k // fine * fine)
+    force, step = stiffness * case.delta * np.floor(x[sample] / case.delta + 0.5), np.diff(x)
+    joint = case.joints[0]
+    return float(force @ step + joint["damping"] * (step @ step) * case.rate * fine + joint["friction"] * np.abs(step).sum())
+
+
+def check_walls(t, qerr, folder, count, seed, motions=200):
+    """Both conditions of one axis, each at delays of whole and half samples."""
+    deciding = set()
+    for i in range(count):
+        rng = random.Random(f"wall {seed} {i}")
+        case, fine = Single(rng), 8
+        case.delay = rng.choice([0, 0.5, 1, 2]) / case.rate
+        joint, counting = case.joints[0], i % 2 == 0
+        joint["damping"] = rng.uniform(0.1, 5)
+        # Friction by which the counts, or the rate, decide clearly.
+        joint["friction"] = joint["damping"] * case.rate * case.delta * (rng.uniform(0.01, 0.1) if counting else rng.uniform(5, 50))
+        ran = case.report(qerr, folder, "walls: {w: {normal: [1, 0, 0]}}\n")
+        if not t.check(f"wall {i} runs", ran.code == 0, ran.err.decode()[:300]):
+            continue
+        limit = json.loads(ran.out)["control"]["walls"][0]["stiffness"]
+        numbers = np.random.default_rng(i)
+        s = np.linspace(0, 1, 200 * fine + 1)
+        least = math.inf
+        for _ in range(motions):
+            size = case.delta * 10 ** numbers.uniform(-1, 2.5)
+            a, b = size * numbers.uniform(-1, 1, 2)
+            f, g = np.floor(numbers.uniform([2, 3], [42, 83]))
+            x = 2 * size + a * np.sin(np.pi * f * s) + b / 4 * np.sin(np.pi * g * s)
+            lost = joint["friction"] * np.abs(np.diff(x)).sum()
+            least = min(least, hand_energy(case, 0.99 * limit, x, fine) / lost)
+        t.check(f"wall {i} gives no energy below its limit", least >= -1e-9, f"{least} of what friction takes")
+        for factor in (0.99, 1.3):
+            if counting:  # across an edge within a sample, wait for the force, back
+                wait, d = int(case.delay * case.rate + 3) * fine, 1e-6 * case.delta  # viscous losses are of second order in d
+                x = np.tile(np.repeat([0.5 * case.delta - d, 0.5 * case.delta + d], wait), 4)
+                energy = hand_energy(case, factor * limit, np.append(x, x[0]), fine)
+            else:  # back and forth, turning at samples, so fast that counts and friction vanish beside it
+                ramp, speed = 40, 1e6 * case.delta
+                up = np.arange(ramp * fine) * speed / fine
+                x = np.append(np.tile(np.concatenate([up, 2 * up[-1] - up + speed / fine - up[-1]]), 4), 0)
+                energy = hand_energy(case, factor * limit, x, fine)
+            t.check(f"wall {i}, decided by {'counts' if counting else 'the rate'}, at {factor} of its limit", (energy < 0) == (factor > 1), f"{energy}")
+        deciding.add(counting)
+    t.check("walls of both conditions", len(deciding) == min(count, 2))
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--count", type=int, default=12)
+    parser.add_argument("--loops", type=int, default=8)
+    parser.add_argument("--inertias", type=int, default=0, help="of so many cases search the least margins between inertias, too")
+    parser.add_argument("--unstable", type=int, default=6)
+    parser.add_argument("--walls", type=int, default=6)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     tally = Tally(False)
@@ -321,9 +535,12 @@ def main():
             (path / "spec.yaml").write_text(case.spec())
             done = run(pathlib.Path(arguments.qerr).resolve(), "analyze", path / "spec.yaml", "--format", "json")
             if tally.check(f"case {i} runs", done.code == 0, done.err.decode()[:500]):
-                check_case(case, json.loads(done.out), worst, reached, tally, rng, f"case {i}")
-    tally.check(f"{len(reached)} quantized loops reach half of the torque's bound", max(reached, default=0) > 0.5, f"{reached}")
-    for name, w in worst.items():
+                check_case(case, json.loads(done.out), worst, reached, tally, rng, f"case {i}", i < arguments.inertias)
+        qerr = pathlib.Path(arguments.qerr).resolve()
+        for check, count in ((check_loops, arguments.loops), (check_unstable, arguments.unstable), (check_walls, arguments.walls)):
+            if count:
+                check(tally, qerr, pathlib.Path(folder), count, arguments.seed)
+    for name, w in worst.items() if arguments.count else ():
         tally.check(f"{name}: {w.count} figures", w.holds(), w.detail())
     return tally.close()
 

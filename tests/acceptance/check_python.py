@@ -6,6 +6,7 @@
 Skipped (exit code 77) without the module (cmake -DQERR_PYTHON=ON).
 """
 import argparse
+import csv
 import json
 import os
 import pathlib
@@ -116,6 +117,12 @@ def check_arrays(t, q, qerr):
     t.check("arrays are the file of the same numbers", of_file == of_arrays, str({k for k in of_file if of_file[k] != of_arrays[k]}))
     errors = q.configurations(SPEC, set={"configurations.count": 100})
     t.check("an array a column", len(errors) > 5 and all(len(v) == 100 for v in errors.values()), str(list(errors)[:5]))
+    q.analyze(SPEC, set={"configurations.count": 100}, per_configuration="each.csv")
+    with open("each.csv", newline="") as f:
+        table = list(csv.DictReader(f))
+    os.remove("each.csv")
+    equal = list(errors) == list(table[0]) and all([float(row[name]) for row in table] == v.tolist() for name, v in errors.items())
+    t.check("the arrays are the columns of --per-configuration", equal, str(list(errors)[:3]))
 
 
 def check_speed(t, q):

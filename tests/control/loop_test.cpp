@@ -43,7 +43,6 @@ Control random_control(unsigned seed) {
   j.inertia = inertia;
   if (uniform(0, 1) < 0.5) j.damping = inertia * rate * std::pow(10, uniform(-4, 0.5));
   c.joints.push_back(j);
-  c.id = seed + 1;
   return c;
 }
 
@@ -94,27 +93,54 @@ TEST(Loop, OfAStatedInertiaHasCertifiedNormsHoweverSlowItIs) {
   chain.independent.push_back({.name = "j", .limits = {}});
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(1);
   for (unsigned seed = 0; seed < random_loops; ++seed) {
-    Control c = random_control(1000 + seed);
+    const Control c = with_stated_loops(random_control(1000 + seed));
     const std::optional<ClosedLoop> loop = closed(loop_of(c));
-    const KnownResponse& known = response_at(c, chain, 0, q);
+    LoopsOfBatch batch(std::make_shared<const Control>(c), chain);
+    batch.move_to(q);
+    const LoopNorms& known = batch.norms(0, 0);
     EXPECT_EQ(known.stable(), loop.has_value()) << seed;
     if (!loop) continue;
     EXPECT_EQ(known.motion.l1, l1_norm(loop->motion).upper) << seed;
-    if (!known.response.stable) continue;  // it has not decayed within the samples of the recursion
-    EXPECT_NEAR(known.torque.h2, response_norms(known.response, &LoopResponse::torque).h2,
-                1e-8 * known.torque.h2)
+    const LoopResponse& response = batch.response(0, 0);
+    if (!response.stable) continue;  // it has not decayed within the samples of the recursion
+    EXPECT_NEAR(known.torque.h2, response_norms(response, &LoopResponse::torque).h2, 1e-8 * known.torque.h2)
         << seed;
-    EXPECT_NEAR(known.motion.dc, response_norms(known.response, &LoopResponse::motion).dc, 1e-8) << seed;
+    EXPECT_NEAR(known.motion.dc, response_norms(response, &LoopResponse::motion).dc, 1e-8) << seed;
   }
   // A stiffness so small that the motion takes hours to decay: stable, with the norms of what it is.
   Control slow = random_control(1);
   slow.joints[0].kp *= 1e-6;
   slow.joints[0].damping = *slow.joints[0].inertia * slow.sample_rate;
-  slow.id = 5000;
-  const KnownResponse& known = response_at(slow, chain, 0, q);
+  LoopsOfBatch batch(std::make_shared<const Control>(with_stated_loops(slow)), chain);
+  batch.move_to(q);
+  const LoopNorms& known = batch.norms(0, 0);
   EXPECT_TRUE(known.stable());
-  EXPECT_FALSE(known.response.stable);
+  EXPECT_FALSE(batch.response(0, 0).stable);
   EXPECT_NEAR(known.motion.dc, -1, 1e-6);
+}
+
+TEST(Loop, RecursionsSideBySideAreThoseOfEachInertia) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Control c = random_control(2000 + seed);
+    const JointController& j = c.joints[0];
+    std::vector<double> inertias{0};  // moves at once: no loop
+    for (int i = 0; i < 12; ++i) inertias.push_back(*j.inertia * std::pow(1.3, i - 6));
+    const std::vector<LoopNorms> found = loop_norms(j, inertias, c.sample_rate, c.samples_of_delay());
+    ASSERT_EQ(found.size(), inertias.size());
+    EXPECT_FALSE(found[0].stable());
+    for (std::size_t i = 1; i < inertias.size(); ++i) {
+      const LoopResponse r = loop_response(j, inertias[i], c.sample_rate, c.samples_of_delay());
+      ASSERT_EQ(found[i].stable(), r.stable) << seed << ' ' << i;
+      if (!r.stable) continue;
+      for (const auto& [norms, of] : {std::pair{found[i].motion, &LoopResponse::motion},
+                                      std::pair{found[i].torque, &LoopResponse::torque}}) {
+        const ResponseNorms wanted = response_norms(r, of);
+        EXPECT_NEAR(norms.l1 / wanted.l1, 1, 1e-10) << seed << ' ' << i;
+        EXPECT_NEAR(norms.h2 / wanted.h2, 1, 1e-10) << seed << ' ' << i;
+        EXPECT_NEAR(norms.dc, wanted.dc, 1e-9 * wanted.l1) << seed << ' ' << i;
+      }
+    }
+  }
 }
 
 TEST(Loop, IsStableBelowItsGainMarginAndUnstableAbove) {

@@ -195,6 +195,28 @@ std::vector<Stranger> strangers() {
                         }),
                  {"shoulder.measured: {column: field.position0, unit: rad}",
                   "elbow.measured: {column: field.position1, unit: rad}"}});
+  const auto counted = [](int i, int joint) {
+    return text_of(motor(i, joint) * 4096 / (2 * std::numbers::pi), 0);
+  };
+  all.push_back({"underscores, remarks, a header that comes again",
+                 log_of("t_ms,shoulder_counts,shoulder_ref_deg",
+                        [&](int i) {
+                          return std::string(i == 70 ? "# marker\n" : "") +
+                                 (i == 90 ? "t_ms,shoulder_counts,shoulder_ref_deg\n" : "") +
+                                 std::to_string(10 * i) + ',' + counted(i, 0) + ',' +
+                                 text_of(deg * load(i, 0));
+                        }),
+                 {"shoulder.counts: shoulder_counts", "shoulder.reference: shoulder_ref_deg"}});
+  all.push_back(
+      {"joints in German",
+       log_of("Zeit;Schulter Inkremente;Schulter Winkel [mrad];Ellbogen Inkremente;Ellbogen Winkel [mrad];"
+              "Hub Inkremente;Hub Lage [mm];Handgelenk Inkremente;Handgelenk Winkel [mrad]",
+              [&](int i) {
+                std::string row = text_of(0.01 * i);
+                for (int j = 0; j < 4; ++j) row += ';' + counted(i, j) + ';' + text_of(1e3 * load(i, j), 3);
+                return row;
+              }),
+       {"shoulder.counts: Schulter Inkremente", "elbow.counts: Ellbogen Inkremente"}});
   all.push_back(
       {"no header",
        log_of("0 0 0 0 0", [](int i) { return text_of(0.01 * (i + 1)) + ' ' + several(i, " ", motor); }),

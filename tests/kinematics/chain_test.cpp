@@ -44,6 +44,20 @@ std::string message_of(const RobotModel& robot, const std::string& base, const s
   return "";
 }
 
+TEST(Chain, OfTipsHaveAllJointsAndTheirPairsNoneInCommon) {
+  const std::vector<NamedTip> tips = make_chains(fork(), "", {{"l", "left"}, {"r", "right"}});
+  ASSERT_EQ(tips.size(), 4u);
+  for (const NamedTip& tip : tips)
+    EXPECT_EQ(testing::joint_names(tip.chain), (std::vector<std::string>{"a", "b", "c", "d"})) << tip.name;
+  EXPECT_EQ(tips[3].name, "r-l");
+  const Eigen::Vector4d q(0.3, -0.4, 0.5, 0.2);
+  const Eigen::Isometry3d relative =
+      forward_kinematics(tips[0].chain, q).inverse() * forward_kinematics(tips[1].chain, q);
+  EXPECT_TRUE(forward_kinematics(tips[3].chain, q).isApprox(relative, 1e-15));
+  EXPECT_TRUE(jacobian(tips[3].chain, q).leftCols<2>().isZero(0)) << "a and b move both";
+  EXPECT_FALSE(jacobian(tips[3].chain, q).col(2).isZero(1e-3));
+}
+
 TEST(Chain, MimicFoldsIntoItsMaster) {
   RobotModel robot = fork();
   robot.joints[1].mimic = Mimic{"a", -0.5, 0.25};  // b = 0.25 - a/2

@@ -27,7 +27,7 @@ SignalKind tilt_signal() {
                   row(0, k) = -j.col(k).tail<3>().cross(tip).z() / sine;
                 return Eigen::RowVectorXd(to_independent(model.chain, row));
               },
-          .remainder = [](const OperationalModel&, std::size_t,
+          .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
                           const Eigen::VectorXd&) { return std::numeric_limits<double>::infinity(); }};
 }
 

@@ -45,8 +45,14 @@ struct OperationalModel {
   std::vector<Coordinate> lengths = {};
   /// Signals of other kinds, which only `workspace` has, too.
   std::vector<Signal> signals = {};
+  /// The tips of `robot.tips` and each relative to each other, where the robot has several: `chain` is then
+  /// that of the first, and there are no coordinates but the signals of tips. Null: one tip.
+  std::shared_ptr<const std::vector<NamedTip>> tips = {};
   std::shared_ptr<const Control> control = {};  ///< the joints' controllers; null: none
 };
+
+/// The link of the tip, or those of several, `left_hand, right_hand`.
+std::string tips_of(const OperationalModel&);
 
 /// The coordinates, then the lengths, then the signals of other kinds: the order of a workspace's statistics.
 std::vector<Signal> all_signals(const OperationalModel&);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "qerr/kinematics/robot_model.hpp"
@@ -33,7 +34,7 @@ struct IndependentJoint {
   std::string name;
   JointType type = JointType::revolute;
   std::optional<Limits> limits;
-  bool on_chain = true;                       ///< false: only its mimics move the tip
+  bool on_chain = true;                       ///< false: only its mimics move the tips
   std::optional<double> velocity_limit = {};  ///< of the URDF [rad/s or m/s]
   std::optional<double> effort_limit = {};    ///< of the URDF [N m or N]
 
@@ -58,6 +59,21 @@ struct Chain {
 ///   no joints connect, a floating or planar joint between them, or no moving joint; with its place in the
 ///   URDF for a flaw that spoils a joint or link of the chain
 Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
+
+/// A tip of several, `left`, or one relative to another, `right-left`.
+struct NamedTip {
+  std::string name;
+  Chain chain;  ///< its independent joints are those of all tips
+};
+
+/// The chains from `base` to several tips, and from each tip to each other one that it moves against: in a
+/// chain from tip to tip the joints in common are absent, so that their errors cancel exactly.
+/// @param tips  names and links
+/// @returns the tips in their order, then the pairs; all with the same independent joints, in the order of
+/// the first chain, then of the next ones
+/// @throws Error (input) as make_chain, with the key `robot.tips.NAME`
+std::vector<NamedTip> make_chains(const RobotModel&, const std::string& base,
+                                  const std::vector<std::pair<std::string, std::string>>& tips);
 
 /// The flaws of the URDF that the chain tolerates, one text for all of one kind; few of those in parts that
 /// the chain does not use.

@@ -86,6 +86,17 @@ Analysis analyze(const Spec&, const WorkspaceOptions& = {}, const ProofRequest& 
 Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv,
                  const ProofRequest& = {});
 
+/// One number for each configuration in every column of `--per-configuration`; NaN for a sigma that is not
+/// known.
+struct ConfigurationColumns {
+  std::vector<std::string> names;  ///< with units: `position.x.sigma [m]`
+  std::vector<std::vector<double>> values;
+};
+
+/// @param columns  receives the figures of every configuration
+Analysis analyze(const Spec&, const WorkspaceOptions&, ConfigurationColumns& columns,
+                 const ProofRequest& = {});
+
 /// The requirements of a spec, evaluated with its bounds.
 struct SpecCheck {
   Analysis analysis;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <stdexcept>
@@ -229,9 +230,12 @@ void set_reached(ProvenMaximum& m, double value) {
   m.upper = std::max(m.upper, value);
 }
 
-std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
-                                         const std::vector<Limits>& given_ranges,
-                                         const std::vector<Figure>& figures, const ProofOptions& options) {
+namespace {
+
+/// Figures of signals that are no coordinates of other chains.
+std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const std::vector<Norms>& filters,
+                                           const std::vector<Limits>& given_ranges,
+                                           const std::vector<Figure>& figures, const ProofOptions& options) {
   if (figures.empty()) return {};
   std::vector<Limits> ranges;
   for (std::size_t j = 0; j < given_ranges.size(); ++j)
@@ -273,7 +277,7 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
     if (figure.bound == Bound::worst_case_rigorous) {
       const Signal signal = all_signals(model)[figure.signal];
       if (signal.kind) {
-        result.upper += signal.kind->remainder(model, signal.index, joint_error(model).worst_case);
+        result.upper += signal.kind->remainder(model, signal.index, result.at, joint_error(model).worst_case);
       } else if (!is_euler_angle(*signal.coordinate)) {
         const ErrorTerms terms(model, figure.signal, false);
         const LargestRemainder r = largest_remainder(model, terms, *signal.coordinate, ranges);
@@ -285,6 +289,36 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
     results.push_back(std::move(result));
   }
   return results;
+}
+
+}  // namespace
+
+std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
+                                         const std::vector<Limits>& ranges,
+                                         const std::vector<Figure>& figures, const ProofOptions& options) {
+  // Coordinates of other chains are proven with those, all figures of a signal together.
+  const std::vector<Signal> signals = all_signals(model);
+  std::map<std::size_t, std::vector<std::size_t>> of_signal;  // places in `figures`
+  const std::size_t own = signals.size();
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const Signal& s = signals[figures[i].signal];
+    of_signal[s.kind && s.kind->of_chain ? figures[i].signal : own].push_back(i);
+  }
+  std::vector<ProvenMaximum> all(figures.size());
+  for (const auto& [signal, places] : of_signal) {
+    ProofOptions some = options;
+    std::vector<Figure> proven;
+    some.limits.clear();
+    for (const std::size_t i : places) {
+      proven.push_back(figures[i]);
+      if (signal != own) proven.back().signal = 0;
+      if (!options.limits.empty()) some.limits.push_back(options.limits[i]);
+    }
+    const std::vector<ProvenMaximum> maxima = maxima_of_model(
+        signal == own ? model : coordinate_model(model, signal), filters, ranges, proven, some);
+    for (std::size_t k = 0; k < places.size(); ++k) all[places[k]] = maxima[k];
+  }
+  return all;
 }
 
 }  // namespace qerr

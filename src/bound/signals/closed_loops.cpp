@@ -25,29 +25,37 @@ Eigen::RowVectorXd joint_row(const OperationalModel& m, std::size_t index, const
   return Eigen::RowVectorXd::Unit(q.size(), static_cast<Eigen::Index>(looped_joints(m)[index]));
 }
 
-SignalNorms loop_norms(const OperationalModel& m, const Eigen::RowVectorXd& row, const Eigen::VectorXd& q,
-                       const Eigen::MatrixXd& moved, bool torque) {
+SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& row,
+                           const Eigen::MatrixXd& moved, const LoopsAt& loops, bool torque) {
   SignalNorms n{Eigen::RowVectorXd::Zero(moved.cols()), Eigen::RowVectorXd::Zero(moved.cols()),
                 Eigen::RowVectorXd::Zero(moved.cols())};
   for (Eigen::Index e = 0; e < moved.cols(); ++e) {
-    std::vector<const std::vector<double>*> responses;
+    std::vector<std::size_t> joints;
     std::vector<double> weights;
     ResponseNorms sum;  // of the triangle inequality
-    bool decayed = true;
+    bool stable = true;
     for (Eigen::Index j = 0; j < row.size(); ++j) {
       const double weight = row[j] * moved(j, e);
       if (weight == 0) continue;
-      const KnownResponse& at = response_at(*m.control, m.chain, static_cast<std::size_t>(j), q);
-      const ResponseNorms& own = torque ? at.torque : at.motion;
-      responses.push_back(torque ? &at.response.torque : &at.response.motion);
+      joints.push_back(static_cast<std::size_t>(j));
       weights.push_back(weight);
-      decayed = decayed && at.response.stable;
+      const LoopNorms& of_joint = loops.norms(joints.back());
+      const ResponseNorms& own = torque ? of_joint.torque : of_joint.motion;
+      stable = stable && of_joint.stable();
       sum.l1 += std::abs(weight) * own.l1;
       sum.h2 += std::abs(weight) * own.h2;
       sum.dc += weight * own.dc;
     }
     // Of several loops the responses themselves are added, if the recursion has them all.
-    if (weights.size() > 1 && decayed) sum = norms_of_sum(responses, weights);
+    if (joints.size() > 1 && stable) {
+      std::vector<const std::vector<double>*> responses;
+      for (const std::size_t j : joints) {
+        const LoopResponse& response = loops.response(j);
+        stable = stable && response.stable;
+        responses.push_back(torque ? &response.torque : &response.motion);
+      }
+      if (stable) sum = norms_of_sum(responses, weights);
+    }
     n.l1[e] = sum.l1;
     n.h2[e] = sum.h2;
     n.dc[e] = sum.dc;

@@ -20,7 +20,7 @@ Eigen::RowVectorXd joint_row(const OperationalModel&, std::size_t index, const E
 
 /// Norms of sum_j row_j G_j(z) moved_je for each error e, G_j being the transfer function of joint j's loop:
 /// exact also where an error moves several joints.
-SignalNorms loop_norms(const OperationalModel&, const Eigen::RowVectorXd& row, const Eigen::VectorXd& q,
-                       const Eigen::MatrixXd& moved, bool torque);
+SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& row,
+                           const Eigen::MatrixXd& moved, const LoopsAt&, bool torque);
 
 }  // namespace qerr

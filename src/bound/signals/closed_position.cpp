@@ -44,12 +44,13 @@ SignalKind closed_position_signal() {
       .signals = positions,
       .row = row_of,
       .remainder =
-          [](const OperationalModel& m, std::size_t index, const Eigen::VectorXd&) {
+          [](const OperationalModel& m, std::size_t index, const Eigen::VectorXd&, const Eigen::VectorXd&) {
             return index < looped_joints(m).size() ? 0.0 : std::numeric_limits<double>::infinity();
           },
       .norms =
           [](const OperationalModel& m, std::size_t index, const Eigen::VectorXd& q,
-             const Eigen::MatrixXd& moved) { return loop_norms(m, row_of(m, index, q), q, moved, false); }};
+             const Eigen::MatrixXd& moved,
+             const LoopsAt& loops) { return norms_in_loops(m, row_of(m, index, q), moved, loops, false); }};
 }
 
 }  // namespace qerr

@@ -27,7 +27,8 @@ SignalKind joint_signal() {
             return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(
                 static_cast<Eigen::Index>(model.chain.independent.size()), static_cast<Eigen::Index>(index)));
           },
-      .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&) { return 0.0; },
+      .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
+                      const Eigen::VectorXd&) { return 0.0; },
       .constant = true,
       .joints = true};
 }

@@ -20,7 +20,7 @@ std::vector<Signal> torques(const OperationalModel& m) {
 /// An error e moves joint i's torque by (J^T K J C)_ie + (J^T D J C)_ie H_v: one filter, whose norms follow
 /// from those of H_v, as only its first sample has both.
 SignalNorms norms_at(const OperationalModel& m, std::size_t index, const Eigen::VectorXd& q,
-                     const Eigen::MatrixXd& moved) {
+                     const Eigen::MatrixXd& moved, const LoopsAt&) {
   const TipImpedance& tip = *m.control->tip;
   const Eigen::MatrixXd rows = jacobian(m.chain, q).topRows<3>();
   const Eigen::RowVectorXd own = rows.col(static_cast<Eigen::Index>(index)).transpose();
@@ -46,7 +46,7 @@ SignalKind tip_torque_signal() {
           [](const OperationalModel&, std::size_t index, const Eigen::VectorXd& q) {
             return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(q.size(), static_cast<Eigen::Index>(index)));
           },
-      .remainder = [](const OperationalModel&, std::size_t,
+      .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
                       const Eigen::VectorXd&) { return std::numeric_limits<double>::infinity(); },
       .norms = norms_at};
 }

@@ -100,9 +100,13 @@ class Report:
     warnings: list[str]
 
     def __init__(self, command: str, words: list[str], formats: Iterable[str] = ("json", "csv"), quiet: bool = False,
-                 log: Iterable[tuple[str, Any]] = ()):
+                 log: Iterable[tuple[str, Any]] = (), columns: bool = False):
         self.command, self._words, self._log = command, words, [(name, _column(values)) for name, values in log]
-        ran = self._run(formats)
+        if columns:
+            ran = _qerr.run([command, *words], [], [], True)
+            self.columns: dict[str, Any] = ran.columns
+        else:
+            ran = self._run(formats)
         self.warnings, self.code = ran.warnings, ran.code
         if not quiet:
             for text in ran.warnings:
@@ -247,10 +251,7 @@ def diagnose(spec: Path, log: Log | Iterable[Path] | None = None, *, set: Mappin
 
 def configurations(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> dict[str, Any]:
     """The errors at every configuration: NumPy arrays by the names of their columns."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "configurations.csv")
-        _report("analyze", [spec], {"set": set, **options, "per_configuration": path}, formats=())
-        return _qerr.columns(path)
+    return _report("analyze", [spec], {"set": set, **options}, formats=(), columns=True).columns
 
 
 def schema() -> dict[str, Any]:

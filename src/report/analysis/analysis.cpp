@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <numeric>
 
@@ -186,19 +187,65 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options, const ProofR
   return analyze(spec, effect_report(spec), options, proofs);
 }
 
-Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
-                 const std::function<void(const std::string&)>& csv, const ProofRequest& proofs) {
+namespace {
+
+/// Rows of a form, for each batch of configurations.
+using RowsOfBatch = std::string (*)(const Spec&, const std::vector<Eigen::VectorXd>& noise,
+                                    const ConfigurationBatch&);
+
+/// @param begin  sees the noise in motion, with which the columns are known, before the rows
+/// @param write  is given the rows in the order of the configurations
+Analysis analyze_with_rows(const Spec& spec, const WorkspaceOptions& options, RowsOfBatch rows,
+                           const std::function<void(const std::vector<Eigen::VectorXd>& noise)>& begin,
+                           const std::function<void(const std::string&)>& write, const ProofRequest& proofs) {
   EffectReport effects = effect_report(spec);
   Spec with_effects = spec;
   add_effects(effects, with_effects);
   WorkspaceOptions with_rows = options;
   with_rows.noise_in_motion = noise_in_motion(spec, options.threads);
-  csv(per_configuration_header(spec, with_rows.noise_in_motion));
+  begin(with_rows.noise_in_motion);
   with_rows.text = [&](const ConfigurationBatch& batch) {
-    return per_configuration_rows(with_effects, with_rows.noise_in_motion, batch);
+    return rows(with_effects, with_rows.noise_in_motion, batch);
   };
-  with_rows.write = csv;
+  with_rows.write = write;
   return analyze(spec, std::move(effects), with_rows, proofs);
+}
+
+/// The bytes of the numbers.
+std::string bytes_of_numbers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                             const ConfigurationBatch& batch) {
+  const std::vector<double> numbers = per_configuration_numbers(spec, noise, batch);
+  std::string bytes(numbers.size() * sizeof(double), '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  return bytes;
+}
+
+}  // namespace
+
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
+                 const std::function<void(const std::string&)>& csv, const ProofRequest& proofs) {
+  return analyze_with_rows(
+      spec, options, per_configuration_rows,
+      [&](const auto& noise) { csv(per_configuration_header(spec, noise)); }, csv, proofs);
+}
+
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options, ConfigurationColumns& columns,
+                 const ProofRequest& proofs) {
+  columns = {};
+  return analyze_with_rows(
+      spec, options, bytes_of_numbers,
+      [&](const auto& noise) {
+        columns.names = per_configuration_names(spec, noise);
+        columns.values.resize(columns.names.size());
+      },
+      [&](const std::string& bytes) {
+        double number = 0;
+        for (std::size_t i = 0; i * sizeof number < bytes.size(); ++i) {
+          std::memcpy(&number, bytes.data() + i * sizeof number, sizeof number);
+          columns.values[i % columns.values.size()].push_back(number);
+        }
+      },
+      proofs);
 }
 
 Analysis unbounded_analysis(const Spec& spec, EffectReport effects,

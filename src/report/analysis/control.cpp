@@ -1,13 +1,16 @@
 #include "report/analysis/control.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "control/figures.hpp"
 #include "control/loop_response.hpp"
 #include "core/parallel.hpp"
+#include "core/search.hpp"
 #include "core/text.hpp"
 #include "qerr/bound/independent_error.hpp"
 #include "qerr/kinematics/jacobian.hpp"
@@ -23,10 +26,8 @@ Eigen::MatrixXd first_configurations(const Spec& spec) {
   return draw(spec.configurations, 0, std::min(configurations_of_control, size(spec.configurations)));
 }
 
-constexpr int sampled_inertias = 9;
-
-/// Inertias from the least to the largest of a joint, in equal ratios: margins vary smoothly between them.
-std::vector<double> inertias_of(LoopReport& r, const Spec& spec, const Eigen::MatrixXd& configurations) {
+/// The range of a joint's inertia. @returns whether it is more than rounding
+bool set_inertias(LoopReport& r, const Spec& spec, const Eigen::MatrixXd& configurations) {
   const Control& control = *spec.model.control;
   r.least_inertia = std::numeric_limits<double>::infinity();
   for (Eigen::Index c = 0; c < configurations.cols(); ++c) {
@@ -35,14 +36,106 @@ std::vector<double> inertias_of(LoopReport& r, const Spec& spec, const Eigen::Ma
     r.largest_inertia = std::max(r.largest_inertia, inertia);
     if (control.joints[r.joint].inertia) break;
   }
-  const double ratio = r.largest_inertia / r.least_inertia;
   constexpr double rounding = 1e-9;
-  if (!(ratio > 1 + rounding)) return {r.least_inertia};
-  std::vector<double> all;
-  for (int i = 0; i < sampled_inertias; ++i)
-    all.push_back(r.least_inertia * std::pow(ratio, i / (sampled_inertias - 1.0)));
-  return all;
+  return r.largest_inertia > r.least_inertia * (1 + rounding);
 }
+
+/// A loop at one inertia. The cycle is that of a stable loop.
+struct LoopAtInertia {
+  LoopMargins margins;
+  LimitCycle cycle;
+};
+
+/// Figures of a loop, the larger the worse, of which the largest over the inertias is searched.
+constexpr std::array<double (*)(const LoopAtInertia&), 7> dangers{
+    [](const LoopAtInertia& l) { return -l.margins.gain; },
+    [](const LoopAtInertia& l) { return l.margins.lower_gain; },
+    [](const LoopAtInertia& l) { return -l.margins.phase.value_or(2 * std::numbers::pi); },
+    [](const LoopAtInertia& l) {
+      return -l.margins.bandwidth.value_or(std::numeric_limits<double>::infinity());
+    },
+    [](const LoopAtInertia& l) { return l.cycle.bound; },
+    [](const LoopAtInertia& l) { return l.cycle.torque_bound; },
+    [](const LoopAtInertia& l) { return l.cycle.edge_amplitude; }};
+
+/// A joint's loop at inertias of its range, each evaluated once.
+class LoopOfJoint {
+ public:
+  LoopOfJoint(const Spec& spec, std::size_t joint)
+      : control_(*spec.model.control),
+        joint_(joint),
+        count_(spec.model.transmission.coupling.row(static_cast<Eigen::Index>(joint))
+                   .cwiseAbs()
+                   .dot(resolutions(spec.model.transmission))),
+        step_(largest_step(controller_of(control_.joints[joint], control_.sample_rate))) {}
+
+  /// The bounds of its cycle are those of the recursion.
+  const LoopAtInertia& at(double inertia) {
+    const auto [known, fresh] = all_.try_emplace(inertia);
+    if (!fresh) return known->second;
+    LoopAtInertia& l = known->second;
+    l.margins = margins(loop_of(control_, joint_, inertia));
+    if (!l.margins.stable) return l;
+    const LoopNorms norms =
+        loop_norms(control_.joints[joint_], {inertia}, control_.sample_rate, control_.samples_of_delay())[0];
+    l.cycle = limit_cycle(l.margins, norms.motion.l1, norms.torque.l1, step_, count_);
+    return l;
+  }
+
+  /// The bounds of the cycle by certified norms. @returns false for a loop that is too close to unstable
+  bool certify(double inertia) {
+    LoopAtInertia& l = all_.at(inertia);
+    const std::optional<ClosedLoop> loop = closed(loop_of(control_, joint_, inertia));
+    l.margins.stable = loop.has_value();
+    if (loop)
+      l.cycle =
+          limit_cycle(l.margins, l1_norm(loop->motion).upper, l1_norm(loop->torque).upper, step_, count_);
+    return l.margins.stable;
+  }
+
+  /// Certifies the largest bounds: where they are, and where a loop is too slow for the recursion.
+  void certify_largest() {
+    double motion = 0, torque = 0, of_motion = 0, of_torque = 0;
+    for (const auto& [inertia, l] : all_) {
+      if (!l.margins.stable || (std::isinf(l.cycle.bound) && !certify(inertia))) continue;
+      if (l.cycle.bound > motion) motion = l.cycle.bound, of_motion = inertia;
+      if (l.cycle.torque_bound > torque) torque = l.cycle.torque_bound, of_torque = inertia;
+    }
+    if (of_motion > 0) certify(of_motion);
+    if (of_torque > 0 && of_torque != of_motion) certify(of_torque);
+  }
+
+  /// Evaluates a range in equal ratios, and then each figure about its worst: by golden sections between the
+  /// neighbours, or, at an end of the range, no more where it falls from there.
+  void search(double least, double largest) {
+    constexpr int samples = 7, sections = 12;  // 0.618^12 of a ratio: 1e-5 of a smooth figure's curvature
+    constexpr double beside = 0.01;            // of a ratio, from an end
+    const double ratio = std::log(largest / least) / (samples - 1);
+    const auto inertia = [&](double place) {
+      return place <= 0 ? least : place >= samples - 1 ? largest : least * std::exp(ratio * place);
+    };
+    for (int i = 0; i < samples; ++i) at(inertia(i));
+    for (const auto danger : dangers) {
+      const auto of = [&](double place) { return danger(at(inertia(place))); };
+      int worst = 0;
+      for (int i = 1; i < samples; ++i)
+        if (of(i) > of(worst)) worst = i;
+      const double low = std::max(0, worst - 1), high = std::min(samples - 1, worst + 1);
+      if (!std::isfinite(of(worst))) continue;
+      if (low == worst && of(worst + beside) <= of(worst)) continue;
+      if (high == worst && of(worst - beside) <= of(worst)) continue;
+      golden_section(low, high, sections, of);
+    }
+  }
+
+  const std::map<double, LoopAtInertia>& all() const { return all_; }
+
+ private:
+  const Control control_;
+  std::size_t joint_;
+  double count_, step_;
+  std::map<double, LoopAtInertia> all_;
+};
 
 template <class T>
 void keep_least(std::optional<T>& kept, const std::optional<T>& other) {
@@ -78,31 +171,24 @@ void keep_largest(LimitCycle& c, const LimitCycle& other) {
 LoopReport loop_report(const Spec& spec, std::size_t joint, const Eigen::MatrixXd& configurations) {
   LoopReport r;
   r.joint = joint;
-  const Control& control = *spec.model.control;
-  const auto row = static_cast<Eigen::Index>(joint);
-  const double count =
-      spec.model.transmission.coupling.row(row).cwiseAbs().dot(resolutions(spec.model.transmission));
-  const double step = largest_step(controller_of(control.joints[joint], control.sample_rate));
-  for (const double inertia : inertias_of(r, spec, configurations)) {
-    const Loop open = loop_of(control, joint, inertia);
-    const LoopMargins m = margins(open);
-    const std::optional<ClosedLoop> loop = m.stable ? closed(open) : std::nullopt;
-    if (!loop) {
-      r.stable = false;
+  LoopOfJoint loop(spec, joint);
+  if (set_inertias(r, spec, configurations))
+    loop.search(r.least_inertia, r.largest_inertia);
+  else
+    loop.at(r.least_inertia);
+  loop.certify_largest();
+  for (const auto& [inertia, l] : loop.all())
+    if (!l.margins.stable) {
       r.unstable_inertia = inertia;
-      r.margins = m;
+      r.margins = l.margins;
       return r;
     }
-    const LimitCycle cycle =
-        limit_cycle(m, l1_norm(loop->motion).upper, l1_norm(loop->torque).upper, step, count);
-    if (r.stable) {
-      keep_least(r.margins, m);
-      keep_largest(r.cycle, cycle);
-    } else {
-      r.margins = m;
-      r.cycle = cycle;
-      r.stable = true;
-    }
+  r.stable = true;
+  r.margins = loop.all().begin()->second.margins;
+  r.cycle = loop.all().begin()->second.cycle;
+  for (const auto& [inertia, l] : loop.all()) {
+    keep_least(r.margins, l.margins);
+    keep_largest(r.cycle, l.cycle);
   }
   return r;
 }
@@ -179,7 +265,7 @@ Eigen::RowVectorXd torque_norms(const Spec& spec, std::size_t joint, const Eigen
   return norms;
 }
 
-/// Of errors within their half widths, means aside.
+/// The torques due to errors within their half widths; means are left out.
 std::vector<TorqueReport> torque_reports(const Spec& spec, const Eigen::MatrixXd& configurations) {
   const Control& control = *spec.model.control;
   const Transmission& t = spec.model.transmission;
@@ -232,20 +318,56 @@ std::vector<GainReport> gain_reports(const Spec& spec) {
 
 }  // namespace
 
-ControlReport control_report(const Spec& spec) {
+namespace {
+
+/// Whether a requirement names a figure of the joint's loop.
+bool is_required(const Spec& spec, std::size_t joint) {
+  for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
+    if (f.kind != ControlFigure::Kind::wall_stiffness && f.index == joint &&
+        std::any_of(spec.requirements.begin(), spec.requirements.end(),
+                    [&](const Requirement& r) { return r.of_control && r.quantity == f.name; }))
+      return true;
+  return false;
+}
+
+/// Whether two joints have one loop, of equal gains, inertias and counts.
+bool have_one_loop(const Spec& spec, std::size_t a, std::size_t b) {
+  const JointController &x = spec.model.control->joints[a], &y = spec.model.control->joints[b];
+  const auto count = [&](std::size_t joint) {
+    return spec.model.transmission.coupling.row(static_cast<Eigen::Index>(joint))
+        .cwiseAbs()
+        .dot(resolutions(spec.model.transmission));
+  };
+  return x.inertia && x.inertia == y.inertia && x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity &&
+         x.damping == y.damping && count(a) == count(b);
+}
+
+}  // namespace
+
+ControlReport control_report(const Spec& spec, bool required_only) {
   ControlReport report;
   if (!spec.model.control) return report;
   const Control& control = *spec.model.control;
   report.gains = gain_reports(spec);
   const Eigen::MatrixXd configurations = first_configurations(spec);
   if (configurations.cols() == 0) return report;
-  std::vector<std::size_t> joints;
-  for (std::size_t j = 0; j < control.joints.size(); ++j)
-    if (has_loop(control, spec.model.chain, j)) joints.push_back(j);
-  report.torques = torque_reports(spec, configurations);
+  std::vector<std::size_t> joints, first;  // of each the place of the first joint with the same loop
+  for (std::size_t j = 0; j < control.joints.size(); ++j) {
+    if (!has_loop(control, spec.model.chain, j) || (required_only && !is_required(spec, j))) continue;
+    const auto same = std::find_if(joints.begin(), joints.end(),
+                                   [&](std::size_t other) { return have_one_loop(spec, other, j); });
+    first.push_back(static_cast<std::size_t>(same - joints.begin()));
+    joints.push_back(j);
+  }
+  if (!required_only) report.torques = torque_reports(spec, configurations);
   report.loops.resize(joints.size());
-  parallel_for(joints.size(), 0,
-               [&](std::size_t i) { report.loops[i] = loop_report(spec, joints[i], configurations); });
+  parallel_for(joints.size(), 0, [&](std::size_t i) {
+    if (first[i] == i) report.loops[i] = loop_report(spec, joints[i], configurations);
+  });
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    report.loops[i] = report.loops[first[i]];
+    report.loops[i].joint = joints[i];
+  }
   if (!control.walls.empty() && missing_for_walls(control, spec.model.chain).empty())
     for (const Wall& wall : control.walls) report.walls.push_back(wall_report(spec, wall, configurations));
   return report;
@@ -349,12 +471,11 @@ std::string loop_table(const Spec& spec, const ControlReport& report, const Styl
   }
   const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
                                    [](const LoopReport& l) { return l.largest_inertia > l.least_inertia; });
-  const std::string of_inertias = std::to_string(sampled_inertias) + " inertias between these ends";
-  return heading(sampled ? "Loops, at the worst of " + of_inertias : "Loops", style) +
+  return heading(sampled ? "Loops, at the worst inertia between these ends" : "Loops", style) +
          fitted_table(rows, style.width) +
-         wrapped("limit cycle at most: " +
-                     (sampled ? "whatever the motion, at " + of_inertias + "; not proven between them"
-                              : std::string("proven, whatever the motion")) +
+         wrapped(std::string("limit cycle at most: ") +
+                     (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
+                              : "proven, whatever the motion") +
                      "; predicted: by the describing function of rounding; Coulomb friction above "
                      "torque.JOINT.worst_case ends one between two counts, where the torque is never larger",
                  style.width, "  ");

@@ -53,11 +53,12 @@ struct ControlReport {
   std::vector<GainReport> gains;  ///< of joints with a requirement on their torque
 };
 
-/// Of a spec with more, loops and walls are evaluated at the first ones.
+/// Loops and walls are evaluated at this many configurations at most, the first of the spec.
 inline constexpr std::uint64_t configurations_of_control = 10'000;
 
 /// Over the configurations of the spec, of more than 10000 the first.
-ControlReport control_report(const Spec&);
+/// @param required_only  without torques, and loops of joints that no requirement of the spec names
+ControlReport control_report(const Spec&, bool required_only = false);
 
 /// The value of a requirement on a figure of a loop or a wall: infinite if unbounded, NaN if an unstable loop
 /// has none, which meets no limit.

@@ -48,7 +48,7 @@ std::string norm_text(const NamedFilter& f) {
 std::string to_table(const Analysis& a, const Style& style) {
   const Chain& chain = a.spec.model.chain;
   const std::string robot = "robot '" + escaped(a.spec.robot_name, 60) + "', " + escaped(chain.base, 60) +
-                            " -> " + escaped(chain.tip, 60);
+                            " -> " + escaped(tips_of(a.spec.model), 120);
   std::string out = painted("qerr analyze", Paint::bold, style) +
                     wrapped("qerr analyze " + robot, style.width, "  ", "").substr(12) +
                     counted(chain.independent.size(), "encoder") + ", " + std::to_string(a.workspace.count) +

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "control/figures.hpp"
+#include "control/loop_response.hpp"
 #include "control/walls.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/configurations.hpp"
@@ -47,7 +48,7 @@ ControlSums::ControlSums(const Spec& spec, std::size_t configurations,
                          std::vector<std::vector<double>> resolutions)
     : spec_(spec), configurations_(configurations), resolutions_(std::move(resolutions)) {
   drawn_ = draw(spec_.configurations, 0, configurations_);
-  if (any_of_control(spec_)) report_ = control_report(spec_);
+  if (any_of_control(spec_)) report_ = control_report(spec_, true);
 }
 
 double* ControlSums::new_column() { return columns_.emplace_back(AlignedNumbers(configurations_)).data(); }
@@ -84,9 +85,13 @@ ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weig
   const Eigen::MatrixXd moved = spec_.model.transmission.coupling.dense();
   std::vector<double*> columns;
   for (Eigen::Index e = 0; e < errors; ++e) columns.push_back(new_column());
+  LoopsOfBatch batch(spec_.model.control, spec_.model.chain);
+  constexpr auto in_a_batch = static_cast<Eigen::Index>(batch_size);
   for (std::size_t i = 0; i < configurations_; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (at % in_a_batch == 0) batch.move_to(drawn_.middleCols(at, std::min(in_a_batch, drawn_.cols() - at)));
     const SignalNorms n =
-        signal.kind->norms(spec_.model, signal.index, drawn_.col(static_cast<Eigen::Index>(i)), moved);
+        signal.kind->norms(spec_.model, signal.index, drawn_.col(at), moved, {&batch, at % in_a_batch});
     for (Eigen::Index e = 0; e < errors; ++e) {
       const double norm = worst ? n.l1[e] : n.h2[e] * n.h2[e];
       columns[static_cast<std::size_t>(e)][i] = std::isfinite(norm) ? norm : never;

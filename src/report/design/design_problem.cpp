@@ -205,7 +205,7 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
   add_effects(effect_report(spec), spec);
   const std::vector<Norms> norms = filter_norms(spec);
   const Workspace sampled = workspace_with_quantization(spec.model, norms, spec.configurations, options);
-  const ControlReport control = any_of_control(spec) ? control_report(spec) : ControlReport{};
+  const ControlReport control = any_of_control(spec) ? control_report(spec, true) : ControlReport{};
   std::vector<RequirementResult> all;
   for (const Requirement& r : spec.requirements)
     all.push_back(r.of_control     ? evaluate(r, control_value(r, spec, control))
@@ -301,7 +301,8 @@ bool DesignProblem::of_loops(const Requirement& r) const {
   return r.of_control || (r.limits_error() && is_closed(all_signals(base_.model)[r.signal]));
 }
 
-/// Those of a set of filters, which the figures of its problem borrow; null where no requirement needs them.
+/// The sums of loops and walls with a set of filters, which the figures of its problem borrow; null where no
+/// requirement needs them.
 ControlSums* DesignProblem::control_sums(const FilterSet& set) {
   const auto figures = std::count_if(base_.requirements.begin(), base_.requirements.end(),
                                      [&](const Requirement& r) { return of_loops(r); });

@@ -149,7 +149,7 @@ void add_loops(const Spec& spec, const NamedFilter& stated, ComparedFilter& c) {
   }
   if (closed && !known) keep_apart(c);
   if (!any_of_control(spec)) return;
-  const ControlReport report = control_report(with);
+  const ControlReport report = control_report(with, true);
   for (const Requirement& r : with.requirements) {
     if (!r.of_control) continue;
     const double value = control_value(r, with, report);

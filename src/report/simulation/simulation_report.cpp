@@ -89,6 +89,10 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
                       "compliance needs a load, which the URDF does not determine",
                       "no <inertial> between base and tip",
                       "give the links their masses"});
+  if (spec.model.tips)
+    spec.warnings.emplace_back(
+        "of several tips none is compared with the simulation, and tip.x of a log is that of the first: "
+        "give the spec one `robot.tip`");
   const EffectReport effects = effects_by_range(spec);
   OperationalModel model = spec.model;
   model.sources = effects.sources;
