@@ -81,13 +81,18 @@ std::pair<std::string, std::string> parts_of(const std::string& before, const Wo
 }
 
 /// `loop.JOINT.gain_margin`, `wall.NAME.stiffness`. @returns whether the quantity has this form
+/// @throws Error (input) for any quantity of controllers where there are none
 bool read_control_figure(const Field& f, const Spec& spec, Requirement& r) {
-  if (!r.quantity.starts_with("loop.") && !r.quantity.starts_with("wall.") &&
-      !r.quantity.starts_with("control."))
-    return false;
-  if (find(signals_of(spec), r.quantity.substr(0, r.quantity.find('.')))) return false;  // a filter's name
-  if (!spec.model.control)
+  const std::string first = r.quantity.substr(0, r.quantity.find('.'));
+  if (find(signals_of(spec), first)) return false;  // a filter's name
+  const bool figure = first == "loop" || first == "wall" || first == "control";
+  if (!figure && first != "torque" && first != "closed_torque" && first != "closed_position") return false;
+  const std::vector<std::string> names = signal_names(spec.model);  // such as those of a tip named `torque`
+  if (!spec.model.control && std::none_of(names.begin(), names.end(), [&](const std::string& name) {
+        return name.starts_with(first + '.');
+      }))
     throw Error(f.fault("the spec has no controllers", "add 'control: {joints: {...}}' (qerr help control)"));
+  if (!figure) return false;
   Words<Dimension> figures;
   for (const ControlFigure& figure : control_figures(*spec.model.control, spec.model.chain))
     figures.emplace_back(figure.name, figure.dimension);

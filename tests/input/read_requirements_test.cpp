@@ -109,6 +109,7 @@ TEST_F(Requirements, SayWhatIsWrong) {
       {"{quantity: v.x.delay, at_most: 1 mm}", "found '1 mm'"},
       {"{quantity: position.rx.sigma, statistic: max, at_most: 1 mrad}", "add it to 'coordinates'"},
       {"{quantity: velocity.x.sigma, statistic: max, at_most: 1 mm}", "no such filter 'velocity'"},
+      {"{quantity: torque.elbow.sigma, statistic: max, at_most: 1}", "the spec has no controllers"},
       {"{quantity: v.x.dela, at_most: 1 ms}", "did you mean 'delay'"},
       {"{quantity: sigma, statistic: max, at_most: 1 mm}", "write position.x.worst_case"}};
   for (const auto& [requirement, words] : cases)
