@@ -80,8 +80,7 @@ std::string baseline_of_page(const BaselineCheck& b) {
 /// A row for each spec, those that fail first.
 std::string fleet_table(const CheckReport& report) {
   std::vector<std::pair<double, std::vector<std::string>>> rows;
-  for (const BrokenSpec& b : report.broken)
-    rows.push_back({INFINITY, {b.file, "CANNOT BE CHECKED", "", "", ""}});
+  for (const BrokenSpec& b : report.broken) rows.push_back({INFINITY, {b.file, "CANNOT BE CHECKED"}});
   for (const SpecCheck& check : report.specs) {
     std::size_t met = 0, tightest = 0;
     double largest = -1;
@@ -91,19 +90,25 @@ std::string fleet_table(const CheckReport& report) {
       if (part && *part > largest) largest = *part, tightest = i;
     }
     const std::size_t all = check.results.size();
-    rows.push_back(
-        {check.all_met() ? largest : 1e9 + largest,
-         {check.analysis.spec.file, check.all_met() ? "met" : "NOT MET",
-          std::to_string(met) + " of " + std::to_string(all),
-          largest < 0 ? "" : limited(check.analysis.spec.requirements[tightest]) + ", " + percent(largest),
-          check.baseline ? std::to_string(check.baseline->regressions.size()) : ""}});
+    rows.push_back({check.all_met() ? largest : 1e9 + largest,
+                    {check.analysis.spec.file, check.all_met() ? "met" : "NOT MET",
+                     std::to_string(met) + " of " + std::to_string(all),
+                     largest < 0 ? "" : limited(check.analysis.spec.requirements[tightest]),
+                     largest < 0 ? "" : percent(largest),
+                     check.baseline ? std::to_string(check.baseline->regressions.size()) : ""}});
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> heads{
+      "spec", "verdict", "met", "tightest", "takes of its limit", "worse than the baseline"};
+  if (std::none_of(report.specs.begin(), report.specs.end(),
+                   [](const SpecCheck& check) { return check.baseline.has_value(); }))
+    heads.pop_back();
   std::vector<std::vector<std::string>> cells;
-  for (auto& [order, row] : rows) cells.push_back(std::move(row));
-  return page::isolated_table(
-      {"spec", "verdict", "met", "tightest, and what it takes of its limit", "worse than the baseline"},
-      cells);
+  for (auto& [order, row] : rows) {
+    row.resize(heads.size());
+    cells.push_back(std::move(row));
+  }
+  return page::isolated_table(heads, cells);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ h1{font-size:1.7rem;line-height:1.2;margin:.2rem 0 .6rem}h2{font-size:1.15rem;ma
 .verdict{font-weight:600;white-space:nowrap}.verdict.met{color:var(--good)}.verdict.failed{color:var(--bad)}.verdict.open{color:var(--c4)}
 .sections{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:1rem;grid-auto-flow:dense}
 section{min-width:0;border:1px solid var(--grid);border-radius:8px;padding:.8rem 1rem}
-section:has(.figures,.scene,th:nth-child(6)){grid-column:1/-1}section p{margin:.3rem 0 .6rem;max-width:60rem}
+section:has(.figures,.scene,th:nth-child(5)){grid-column:1/-1}section p{margin:.3rem 0 .6rem;max-width:60rem}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:1rem}.figures>div{min-width:0}
 figure{margin:0;max-width:620px;break-inside:avoid;position:relative}figcaption{font-weight:600;margin-bottom:.2rem}
 svg{display:block;width:100%;height:auto;font:11px system-ui,sans-serif;fill:var(--ink)}
