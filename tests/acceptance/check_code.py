@@ -137,6 +137,27 @@ def check(tally, folder, index, f, arguments, rng):
     tally.check(f"{index} a start at rest stays there", np.ptp(y) <= code.DOUBLE_ERROR * 2 and abs(y[0] - 0.75 * gain) < 1e-9 * peak, f"{y[:3]} {gain}")
 
 
+def check_names(tally, folder, arguments):
+    """Names that are one in capitals, keywords, or names of the code itself."""
+    names = ["vel 2", "VEL_2", "vel-2", "class", "Filter", "qerr_section", "float"]
+    low = '{derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, order: 2, cutoff: %d Hz}}'
+    rows = [f"  {json.dumps(name)}: {low % (10 + 10 * i)}\n" for i, name in enumerate(names)]
+    rows.append("  sum: {derivative: 0, sample_rate: 1 kHz, numerator: [0.25, 0.75], denominator: [1]}\n")
+    (folder / "names.yaml").write_text("qerr: 1\nrobot: {joint: {name: j, type: revolute, limits: [-1, 1]}}\ncoordinates: [rz]\n"
+                                       "encoders: {j: {bits: 16}}\nfilters:\n" + "".join(rows))
+    for language, name in (("c", "filters.h"), ("python", "names.py")):
+        run(arguments.qerr, "filter", "names.yaml", "-q", "--write-code", language, name, "-o", "report.json", cwd=folder)
+    macros = re.findall(r"#define (\w+)_FLOAT_ERROR", (folder / "filters.h").read_text())
+    tally.check("names: a macro each", len(macros) == len(set(macros)) == len(rows), str(macros))
+    program = compiled(folder, "VEL_2_2", "double", arguments.compiler)
+    tally.check("names: the header compiles", not isinstance(program, str), str(program))
+    code = runpy.run_path(str(folder / "names.py"))
+    filters_of_code = [c for n, c in code.items() if isinstance(c, type) and c.__name__ != "Filter"]
+    tally.check("names: a class each", len(filters_of_code) == len(rows) and all(c.__bases__ == (code["Filter"],) for c in filters_of_code),
+                str(list(code)))
+    tally.check("names: taps are summed", code["filter_sum"](1.0).step(1.0) == 1)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--qerr", required=True)
@@ -152,6 +173,7 @@ def main():
         for index in range(arguments.count):
             f = rng.choice([low_pass, low_pass, sections, taps])(rng, rng.choice([500.0, 1000.0, 8000.0]))
             check(tally, pathlib.Path(folder), index, f, arguments, numbers)
+        check_names(tally, pathlib.Path(folder), arguments)
     print(f"stated error of float over the one along the worst input: {min(arguments.ratios):.3g} .. "
           f"{max(arguments.ratios):.3g}, median {np.median(arguments.ratios):.3g}")
     return tally.close()

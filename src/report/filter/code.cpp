@@ -22,15 +22,32 @@ struct CodedFilter {
   std::vector<std::string> comment;
 };
 
+/// Keywords of Python, and names that the code itself uses.
+constexpr std::string_view names_in_use[]{
+    "False",  "None",     "True",   "and",  "as",    "assert", "async",    "await",   "break", "class",
+    "def",    "continue", "del",    "elif", "else",  "if",     "except",   "finally", "for",   "from",
+    "global", "in",       "import", "is",   "not",   "lambda", "nonlocal", "or",      "pass",  "raise",
+    "try",    "return",   "while",  "with", "yield", "Filter", "float",    "len",     "sum",   "zip"};
+
+std::string in_capitals(std::string text) {
+  for (char& c : text)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return text;
+}
+
+/// Unlike all others, also in capitals, as C's macros have it.
 std::string identifier(const std::string& name, const std::vector<CodedFilter>& others) {
   std::string id;
   for (const char c : name) {
     const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
     id += plain ? c : '_';
   }
-  if (id.empty() || (id[0] >= '0' && id[0] <= '9')) id = "filter_" + id;
+  if (id.empty() || (id[0] >= '0' && id[0] <= '9') || id.starts_with("qerr_") ||
+      std::find(std::begin(names_in_use), std::end(names_in_use), id) != std::end(names_in_use))
+    id = "filter_" + id;
   const auto taken = [&](const std::string& text) {
-    return std::any_of(others.begin(), others.end(), [&](const CodedFilter& f) { return f.name == text; });
+    return std::any_of(others.begin(), others.end(),
+                       [&](const CodedFilter& f) { return in_capitals(f.name) == in_capitals(text); });
   };
   std::string own = id;
   for (int i = 2; taken(own); ++i) own = id + '_' + std::to_string(i);
@@ -164,9 +181,7 @@ std::string c_code(const FilterReport& report) {
   for (const CodedFilter& f : coded(report)) {
     out += "\n/*\n";
     for (const std::string& line : f.comment) out += wrapped(line, 110, " * ");
-    std::string upper = f.name;
-    for (char& c : upper)
-      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    const std::string upper = in_capitals(f.name);
     const auto define = [&](const char* what, double bound) {
       out += "#define " + upper + what + ' ' + (std::isfinite(bound) ? bound_text(bound) : "HUGE_VAL") +
              " /* [" + unit_of(f.figures.filter) + "] times the largest |input| */\n";
