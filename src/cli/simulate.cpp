@@ -67,21 +67,6 @@ Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
   return spec;
 }
 
-/// One run without the mean over the encoders' zeros.
-std::string quick_run(const Spec& spec) {
-  SimulationOptions options;
-  options.exact = false;
-  return write(simulation_report(spec, options), "json");
-}
-
-/// One run of a motion of a second's work at most; else nothing is compared.
-std::string whole_run(const Spec& spec) {
-  constexpr double most = 1e5;  // samples
-  if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
-    throw Error(Fault{{spec.file}, "motion", "too many samples to compare", "", ""});
-  return write(simulation_report(spec, {}), "json");
-}
-
 /// Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
 Spec settled(Spec spec) {
   if (spec.motion && !spec.motion->settling)
@@ -90,13 +75,35 @@ Spec settled(Spec spec) {
   return spec;
 }
 
+/// @param exact  with the mean over the encoders' zeros
+std::string one_run(const Spec& spec, bool exact, bool estimators) {
+  SimulationOptions options;
+  options.exact = exact;
+  SimulationReport report = simulation_report(spec, options);
+  if (estimators) report.estimators = estimator_comparison(settled(spec), options);
+  return write(report, "json");
+}
+
+/// What a run shows, to tell whether an override changes it: a quick one, then one of a second's work at
+/// most.
+std::vector<ReportText> runs_to_compare(bool estimators) {
+  return {at_the_beginning([=](const Spec& spec) { return one_run(spec, false, estimators); }),
+          [=](const Spec& spec) {
+            constexpr double most = 1e5;  // samples
+            if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
+              throw Error(Fault{{spec.file}, "motion", "too many samples to compare", "", ""});
+            return one_run(spec, true, estimators);
+          }};
+}
+
 int run(const Values& v) {
+  const bool estimators = v.given("estimators");
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
   Spec spec = search ? with_cutoffs(*search, v)
                      : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                            {at_the_beginning(quick_run), whole_run});
-  if (v.given("estimators")) spec = settled(std::move(spec));
+                            runs_to_compare(estimators));
+  if (estimators) spec = settled(std::move(spec));
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
@@ -122,7 +129,7 @@ int run(const Values& v) {
   }
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
-  if (v.given("estimators")) report.estimators = estimator_comparison(spec, options);
+  if (estimators) report.estimators = estimator_comparison(spec, options);
   if (log) outputs.write_next([&] { log->close(); });
   outputs.write([&] { finish(out, report, format, style(v)); });
   warn(report.warnings, v);

@@ -208,6 +208,11 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "spec.yaml").write_text(case.spec())
             ran = run(qerr, "simulate", "spec.yaml", "-q", "--estimators", "--json", cwd=folder)
+            if index == 0:
+                changed = run(qerr, "simulate", "spec.yaml", "--estimators", "--json", "--set", "estimators.edges.timeout=1 us", cwd=folder)
+                tally.check("an override of an estimator is told to change nothing only where it does not",
+                            changed.code == 0 and (b"changes no figure" in changed.err) == (
+                                json.loads(changed.out)["estimators"] == json.loads(ran.out)["estimators"]), changed.err.decode())
         if not tally.check(f"{index} runs", ran.code == 0, ran.err.decode()):
             continue
         found = {e["estimator"]: e for e in json.loads(ran.out)["estimators"]}
