@@ -150,12 +150,6 @@ ResponseNorms certified(const Filter& f, double sign) {
   return {n.l1.upper, n.h2, sign * n.dc_gain};
 }
 
-/// Whether two joints of one control close the same loop. @pre both inertias are stated
-bool close_the_same(const JointController& x, const JointController& y) {
-  return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&
-         x.inertia == y.inertia;
-}
-
 LoopNorms certified_norms(const Control& control, std::size_t joint) {
   constexpr ResponseNorms unstable{endless, endless, endless};
   const std::optional<ClosedLoop> loop = closed(loop_of(control, joint, *control.joints[joint].inertia));
@@ -253,6 +247,11 @@ class LoopRun {
 };
 
 }  // namespace
+
+bool close_the_same(const JointController& x, const JointController& y) {
+  return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&
+         x.inertia == y.inertia;
+}
 
 std::vector<LoopNorms> loop_norms(const JointController& c, const std::vector<double>& inertias,
                                   double sample_rate, double delay) {

@@ -61,6 +61,9 @@ struct StatedLoop {
   LoopResponse response;
 };
 
+/// Whether two joints of one control close the same loop. @pre both inertias are stated
+bool close_the_same(const JointController&, const JointController&);
+
 /// Gives each joint of a stated inertia a loop that is not yet evaluated, in place of one of other gains.
 Control with_stated_loops(Control);
 

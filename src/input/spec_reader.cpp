@@ -377,6 +377,8 @@ void SpecReader::read_tips(const Object& robot) {
   spec_.model.tips = std::make_shared<const std::vector<NamedTip>>(
       make_chains(*robot_, robot.text("base").value_or(""), tips));
   spec_.model.chain = spec_.model.tips->front().chain;
+  // A mass matrix is that of one chain: without masses, loops need the inertia that the spec states.
+  for (ChainJoint& joint : spec_.model.chain.joints) joint.load = {};
   spec_.warnings.clear();
   for (std::size_t i = 0; i < tips.size(); ++i)
     for (std::string& warning : warnings_about(*robot_, (*spec_.model.tips)[i].chain))

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 #include "control/control.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/write.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/figure_names.hpp"
 
@@ -146,14 +148,56 @@ TEST_F(ControlSection, LargestGainJustMeetsTheRequirement) {
 
 TEST_F(ControlSection, AnUnstableLoopMeetsNoRequirement) {
   const std::string fast = "control: {joints: {'*': {kp: 4000, kd: 900, velocity: v, inertia: 0.6}}}\n";
-  for (const std::string quantity : {"loop.j1.limit_cycle, at_most: 1e9", "loop.j1.bandwidth, at_least: 0",
-                                     "loop.j1.phase_margin, at_least: 0", "loop.j1.gain_margin, at_least: 1",
-                                     "closed_torque.j1.sigma, statistic: max, at_most: 1e9"})
+  for (const std::string quantity :
+       {"loop.j1.limit_cycle, at_most: 1e9", "loop.j1.bandwidth, at_least: 0",
+        "loop.j1.phase_margin, at_least: 0", "loop.j1.gain_margin, at_least: 1",
+        "loop.j1.gain_margin, at_least: 0", "loop.j1.gain_margin, at_most: 1e9",
+        "loop.j1.limit_cycle, at_least: 1e-9", "closed_torque.j1.sigma, statistic: max, at_least: 1e-9",
+        "closed_torque.j1.sigma, statistic: max, at_most: 1e9"})
     EXPECT_FALSE(check(read(fast + "requirements: [{quantity: " + quantity + "}]\n")).all_met()) << quantity;
   const Analysis a = analyze(read(fast));
   bool told = false;
   for (const std::string& warning : a.warnings) told = told || warning.find("unstable") != std::string::npos;
   EXPECT_TRUE(told);
+}
+
+TEST_F(ControlSection, LoopsAreNotJudgedBesideEffectsThatChangeThem) {
+  const std::string margin = "requirements: [{quantity: loop.j1.gain_margin, at_least: 0.1}]\n";
+  const auto beside = [&](const std::string& effect) {
+    try {
+      return check(controlled(margin + "effects: [" + effect + "]\n")).all_met() ? "met" : "not met";
+    } catch (const Error&) {
+      return "refused";
+    }
+  };
+  EXPECT_STREQ(beside(""), "met");
+  EXPECT_STREQ(beside("{type: latency, joint: j1, delay: 2 ms}"), "refused");
+  EXPECT_STREQ(beside("{type: decoding, joint: j1, factor: -1}"), "refused");
+  EXPECT_STREQ(beside("{type: scale, joint: j1, scale: 1}"), "refused");
+  EXPECT_STREQ(beside("{type: latency, joint: j2, delay: 2 ms}"), "met") << "of the other loop";
+  EXPECT_STREQ(beside("{type: noise, joint: j1, sigma: 1 mrad}"), "met");
+}
+
+TEST_F(ControlSection, AWallThatNoJointFeelsIsNoRequirement) {
+  const std::string required = "requirements: [{quantity: wall.w.stiffness, at_least: 1}]\n";
+  EXPECT_TRUE(check(controlled("walls: {w: {normal: [1, 0, 0]}}\n" + required)).all_met());
+  EXPECT_THROW(check(controlled("walls: {w: {normal: [0, 0, 1]}}\n" + required)), Error);
+}
+
+TEST_F(ControlSection, LoopsAndWallsAreComparedWithABaseline) {
+  const std::string wall = "walls: {w: {normal: [1, 0, 0]}}\n";
+  const Baseline before{read_named_figures(write(analyze(controlled(wall)), "json"), "old.json"), 0};
+  const auto worse = [&](const Spec& spec, const std::string& figure) {
+    const SpecCheck c = check(spec, {}, &before);
+    return std::any_of(c.baseline->regressions.begin(), c.baseline->regressions.end(),
+                       [&](const FigureChange& f) { return f.figure.quantity == figure; });
+  };
+  const Spec late = controlled(wall, {{{"control.delay", "3 ms"}}, {}});
+  for (const char* figure :
+       {"loop.j1.gain_margin", "loop.j1.phase_margin", "loop.j1.limit_cycle", "wall.w.stiffness"}) {
+    EXPECT_TRUE(worse(late, figure)) << figure;
+    EXPECT_FALSE(worse(controlled(wall), figure)) << figure;
+  }
 }
 
 TEST_F(ControlSection, RefusesWhatCannotBe) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -52,7 +53,11 @@ struct Requirement : Figure {
   /// Whether it limits an error over the configurations.
   bool limits_error() const { return !figure && counter < 0 && !of_control; }
   /// A value that equals the limit meets it.
-  bool met_by(double value_of_it) const { return at_least ? value_of_it >= limit : value_of_it <= limit; }
+  /// An unbounded error, as of an unstable loop, meets no limit.
+  bool met_by(double value_of_it) const {
+    if (!at_least) return value_of_it <= limit;
+    return value_of_it >= limit && !(limits_error() && std::isinf(value_of_it));
+  }
 };
 
 /// Evaluation of a requirement.

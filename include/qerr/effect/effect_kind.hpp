@@ -126,6 +126,9 @@ struct EffectKind {
   /// What a decoder makes of the rounding error; null: nothing.
   CountError (*count_error)(const Effect&) = nullptr;
   bool jumps = false;  ///< at single positions, by more than a count
+  /// Delays or multiplies what is read: a loop that is closed by it has another gain, which no bound of an
+  /// error beside it covers.
+  bool changes_loop = false;
   std::optional<EncoderNeed> encoder_need = {};
 
   // Diagnosis.

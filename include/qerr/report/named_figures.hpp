@@ -9,10 +9,11 @@ namespace qerr {
 
 /// A figure of a report under the name that requirements give it.
 struct NamedFigure {
-  std::string quantity;   ///< `position.x.worst_case`, `velocity.delay`
-  std::string statistic;  ///< `max`; "" for a figure of a filter
-  std::string unit;       ///< SI, "" for a pure number
-  double value = 0;       ///< +inf: unbounded
+  std::string quantity;           ///< `position.x.worst_case`, `velocity.delay`
+  std::string statistic;          ///< `max`; "" for a figure of a filter
+  std::string unit;               ///< SI, "" for a pure number
+  double value = 0;               ///< +inf: unbounded
+  bool larger_is_better = false;  ///< a margin, a bandwidth, a stiffness
 
   /// `position.x.worst_case max`.
   std::string name() const { return statistic.empty() ? quantity : quantity + ' ' + statistic; }

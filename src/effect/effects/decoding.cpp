@@ -51,6 +51,7 @@ EffectKind decoding_effect() {
           .share = share,
           .need = Need::position,
           .count_error = count_error,
+          .changes_loop = true,
           .remedy = {false, "set the decoding, or the counts per revolution, in the counter or in the spec"}};
 }
 

@@ -40,6 +40,7 @@ EffectKind latency_effect() {
           .share = [](const Effect& e, const Encoder&,
                       const Usage& u) { return proportional(-e.number("delay"), u.velocity); },
           .need = Need::velocity,
+          .changes_loop = true,
           .terms = terms,
           .twins = {{"backlash", "reversals at two speeds or more, with a standstill after each"},
                     {"clock_drift", "a longer record, with the same speeds at its start and at its end"}},

@@ -28,6 +28,7 @@ EffectKind scale_effect() {
           .share = [](const Effect& e, const Encoder&,
                       const Usage& u) { return proportional(e.number("scale"), u.position); },
           .need = Need::position,
+          .changes_loop = true,
           .terms = terms,
           // The disc turns by the angle that the true ratio gives.
           .first_in_stage = true,

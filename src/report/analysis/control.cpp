@@ -58,15 +58,19 @@ constexpr std::array<double (*)(const LoopAtInertia&), 7> dangers{
     [](const LoopAtInertia& l) { return l.cycle.torque_bound; },
     [](const LoopAtInertia& l) { return l.cycle.edge_amplitude; }};
 
+/// Half of it is the largest error of a joint's reading that its counts make [rad or m].
+double count_of(const Spec& spec, std::size_t joint) {
+  const Transmission& t = spec.model.transmission;
+  return t.coupling.row(static_cast<Eigen::Index>(joint)).cwiseAbs().dot(resolutions(t));
+}
+
 /// A joint's loop at inertias of its range, each evaluated once.
 class LoopOfJoint {
  public:
   LoopOfJoint(const Spec& spec, std::size_t joint)
       : control_(*spec.model.control),
         joint_(joint),
-        count_(spec.model.transmission.coupling.row(static_cast<Eigen::Index>(joint))
-                   .cwiseAbs()
-                   .dot(resolutions(spec.model.transmission))),
+        count_(count_of(spec, joint)),
         step_(largest_step(controller_of(control_.joints[joint], control_.sample_rate))) {}
 
   /// The bounds of its cycle are those of the recursion.
@@ -332,17 +336,49 @@ bool is_required(const Spec& spec, std::size_t joint) {
 
 /// Whether two joints have one loop, of equal gains, inertias and counts.
 bool have_one_loop(const Spec& spec, std::size_t a, std::size_t b) {
-  const JointController &x = spec.model.control->joints[a], &y = spec.model.control->joints[b];
-  const auto count = [&](std::size_t joint) {
-    return spec.model.transmission.coupling.row(static_cast<Eigen::Index>(joint))
-        .cwiseAbs()
-        .dot(resolutions(spec.model.transmission));
-  };
-  return x.inertia && x.inertia == y.inertia && x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity &&
-         x.damping == y.damping && count(a) == count(b);
+  const std::vector<JointController>& all = spec.model.control->joints;
+  return all[a].inertia && close_the_same(all[a], all[b]) && count_of(spec, a) == count_of(spec, b);
+}
+
+/// Effects that delay or multiply readings by which loops are closed, `latency of m`; "" if there are none.
+/// @param joint  of the reading; empty: of any joint
+std::string changes_of_loops(const Spec& spec, std::optional<std::size_t> joint) {
+  std::string all;
+  const auto& joints = spec.model.chain.independent;
+  for (const Effect& e : spec.effects) {
+    const auto at = static_cast<std::size_t>(
+        std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == e.joint; }) -
+        joints.begin());
+    if (effect_kind(e.type).changes_loop && has_size(e) && at < joints.size() && (!joint || *joint == at) &&
+        spec.model.control->joints[at].acts())
+      all += (all.empty() ? "" : ", ") + e.type + " of " + e.joint;
+  }
+  return all;
 }
 
 }  // namespace
+
+void refuse_changed_loops(const Spec& spec) {
+  if (!spec.model.control) return;
+  const std::vector<Signal> signals = all_signals(spec.model);
+  const std::vector<ControlFigure> figures = control_figures(*spec.model.control, spec.model.chain);
+  std::vector<Fault> faults;
+  for (const Requirement& r : spec.requirements) {
+    std::optional<std::size_t> joint;  // of the only loop that the figure depends on
+    if (r.of_control)
+      for (const ControlFigure& f : figures)
+        if (f.name == r.quantity && f.kind != ControlFigure::Kind::wall_stiffness) joint = f.index;
+    if (!r.of_control && !(r.limits_error() && is_closed(signals[r.signal]))) continue;
+    if (const std::string effects = changes_of_loops(spec, joint); !effects.empty())
+      faults.push_back(
+          {r.place, "requirements",
+           "loops and walls are evaluated without " + effects +
+               ", which delays or multiplies the reading that closes them",
+           quoted(r.quantity),
+           "state a latency as control.delay, a factor in the gains; leave the effect out here"});
+  }
+  if (!faults.empty()) throw Error(faults);
+}
 
 ControlReport control_report(const Spec& spec, bool required_only) {
   ControlReport report;
@@ -384,7 +420,13 @@ double control_value(const Requirement& r, const Spec& spec, const ControlReport
   for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain)) {
     if (f.name != r.quantity) continue;
     if (f.kind == Kind::wall_stiffness) {
-      if (f.index < report.walls.size()) return report.walls[f.index].limit.stiffness();
+      if (f.index < report.walls.size()) {
+        const double stiffness = report.walls[f.index].limit.stiffness();
+        if (std::isfinite(stiffness)) return stiffness;
+        throw Error({r.place, "requirements",
+                     "no joint feels this wall: it is unbounded at all configurations, which meets any limit",
+                     quoted(r.quantity), "turn its normal to where the joints move the tip"});
+      }
       throw Error(
           {r.place, "requirements", "the stiffness of a wall needs damping and friction of all joints",
            quoted(r.quantity),
@@ -400,11 +442,11 @@ double control_value(const Requirement& r, const Spec& spec, const ControlReport
     }
     for (const LoopReport& loop : report.loops) {
       if (loop.joint != f.index) continue;
-      if (f.kind == Kind::gain_margin) return loop.margins.gain;
-      if (!loop.stable) return f.kind == Kind::limit_cycle ? infinity : unknown_figure;
-      return f.kind == Kind::phase_margin ? loop.margins.phase.value_or(infinity)
-             : f.kind == Kind::bandwidth  ? loop.margins.bandwidth.value_or(infinity)
-                                          : loop.cycle.bound;
+      if (!loop.stable) return f.kind == Kind::limit_cycle && !r.at_least ? infinity : unknown_figure;
+      return f.kind == Kind::gain_margin    ? loop.margins.gain
+             : f.kind == Kind::phase_margin ? loop.margins.phase.value_or(infinity)
+             : f.kind == Kind::bandwidth    ? loop.margins.bandwidth.value_or(infinity)
+                                            : loop.cycle.bound;
     }
   }
   throw Error({r.place, "requirements", "the figure has no value", quoted(r.quantity), "see `qerr analyze`"});
@@ -421,8 +463,13 @@ std::vector<std::string> control_warnings(const Spec& spec, const ControlReport&
       without += (without.empty() ? "" : ", ") + chain.independent[j].name;
   if (!without.empty())
     warnings.push_back("control: the loop of " + without +
-                       " is not closed: its inertia is not known; state 'inertia:', or give the URDF's links "
-                       "their masses");
+                       " is not closed: its inertia is not known; state 'inertia:'" +
+                       (spec.model.tips ? ", as the masses beyond several tips are not added up"
+                                        : ", or give the URDF's links their masses"));
+  if (const std::string effects = changes_of_loops(spec, {}); !effects.empty())
+    warnings.push_back("control: loops and walls are evaluated without " + effects +
+                       ", which delays or multiplies the reading that closes them; state a latency as "
+                       "control.delay, a factor in the gains");
   for (const LoopReport& l : report.loops)
     if (!l.stable)
       warnings.push_back(

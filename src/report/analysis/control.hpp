@@ -60,8 +60,12 @@ inline constexpr std::uint64_t configurations_of_control = 10'000;
 /// @param required_only  without torques, and loops of joints that no requirement of the spec names
 ControlReport control_report(const Spec&, bool required_only = false);
 
-/// The value of a requirement on a figure of a loop or a wall: infinite if unbounded, NaN if an unstable loop
-/// has none, which meets no limit.
+/// Refuses requirements on loops and walls beside effects that change them (`EffectKind::changes_loop`).
+/// @throws Error (input; key `requirements`)
+void refuse_changed_loops(const Spec&);
+
+/// The value of a requirement on a figure of a loop or a wall: infinite if unbounded, NaN for an unstable
+/// loop, which meets no limit.
 /// @throws Error (input) if it needs what is not stated
 double control_value(const Requirement&, const Spec&, const ControlReport&);
 

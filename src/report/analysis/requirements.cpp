@@ -187,7 +187,10 @@ void refuse_unreached(const Analysis& a, const std::vector<Requirement>& limits,
   if (!faults.empty()) throw Error(faults);
 }
 
-void refuse_unreached(const Analysis& a) { refuse_unreached(a, a.spec.requirements, "requirements"); }
+void refuse_unreached(const Analysis& a) {
+  refuse_unreached(a, a.spec.requirements, "requirements");
+  refuse_changed_loops(a.spec);
+}
 
 std::vector<RequirementResult> requirement_results(const Analysis& a) {
   refuse_unreached(a);

@@ -18,12 +18,13 @@ bool has_limit(const NamedFigures& report, const NamedFigure& f, bool at_least) 
   });
 }
 
-/// A figure is worse if it is larger; one that is required to be large, if it is smaller; one with limits on
-/// both sides in either case.
+/// A figure is worse if it is larger, or smaller where a larger one is better; one that is required to be
+/// large, if it is smaller; one with limits on both sides in either case.
 bool is_worse(const FigureChange& c, double tolerance, const NamedFigures& old, const NamedFigures& now) {
   const auto limited = [&](bool at_least) {
     return has_limit(old, c.figure, at_least) || has_limit(now, c.figure, at_least);
   };
+  if (c.figure.larger_is_better && !limited(false)) return c.relative < -tolerance;
   if (c.relative > tolerance) return limited(false) || !limited(true);
   return c.relative < -tolerance && limited(true);
 }

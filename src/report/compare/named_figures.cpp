@@ -178,6 +178,32 @@ void add_requirements(const ReportMember& list, NamedFigures& to) {
   }
 }
 
+/// Loops and walls. Null is unbounded, but of an unstable loop, which has its cycle alone.
+void add_control(const ReportMember& report, NamedFigures& to) {
+  const auto control = report.find("control");
+  if (!control) return;
+  const auto unit_of = [&](const std::string& joint) {
+    for (const ReportMember& row : report.at("joints").items())
+      if (row.at("name").text() == joint) return row.at("unit").text();
+    throw report.at("joints").fault("the joint of a loop is missing", quoted(joint), written_anew);
+  };
+  for (const ReportMember& loop : control->at("loops").items()) {
+    const std::string joint = loop.at("joint").text(), name = "loop." + joint + '.';
+    const auto cycle = loop.find("limit_cycle");
+    add_figure({name + "limit_cycle", "", unit_of(joint),
+                cycle && !cycle->is_null() ? cycle->at("bound").number_or(unbounded) : unbounded},
+               to);
+    if (!loop.at("stable").boolean()) continue;
+    add_figure({name + "gain_margin", "", "", loop.at("gain_margin").number_or(unbounded), true}, to);
+    add_figure({name + "phase_margin", "", "rad", loop.at("phase_margin").number_or(unbounded), true}, to);
+    add_figure({name + "bandwidth", "", "Hz", loop.at("bandwidth").number_or(unbounded), true}, to);
+  }
+  for (const ReportMember& wall : control->at("walls").items())
+    add_figure({"wall." + wall.at("wall").text() + ".stiffness", "", "N/m",
+                wall.at("stiffness").number_or(unbounded), true},
+               to);
+}
+
 void read_analyze(const ReportMember& report, NamedFigures& to) {
   add_bounds("position", report.at("position"), to);
   for (const ReportMember& filter : report.at("derivatives").items()) {
@@ -188,6 +214,7 @@ void read_analyze(const ReportMember& report, NamedFigures& to) {
   }
   for (const auto& [encoder, share] : report.at("budget").members())
     to.shares.push_back({encoder, share.number()});
+  add_control(report, to);
 }
 
 void read_check(const ReportMember& report, NamedFigures& to) {

@@ -116,7 +116,7 @@ ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weig
 
 ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
   const Control& control = *spec_.model.control;
-  if (index >= report_->walls.size()) control_value(r, spec_, *report_);  // says what is missing
+  control_value(r, spec_, *report_);  // says what is missing, and refuses a wall that no joint feels
   const Eigen::MatrixXd coupling = spec_.model.transmission.coupling.dense();
   const auto count = static_cast<std::size_t>(coupling.cols());
   std::vector<double*> columns;
