@@ -59,7 +59,7 @@ struct Control {
   std::vector<JointController> joints;  ///< one for each independent joint
   std::optional<TipImpedance> tip;      ///< in place of the joints' gains
   std::vector<Wall> walls;
-  /// Of each joint whose inertia is stated, the loop, evaluated when it is first asked for; equal loops are
+  /// The loop of each joint whose inertia is stated, evaluated when it is first asked for; equal loops are
   /// one. Set by `with_stated_loops`; else null.
   std::vector<std::shared_ptr<StatedLoop>> stated = {};
 

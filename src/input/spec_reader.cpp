@@ -384,6 +384,10 @@ void SpecReader::read_tips(const Object& robot) {
     for (std::string& warning : warnings_about(*robot_, (*spec_.model.tips)[i].chain))
       if (std::find(spec_.warnings.begin(), spec_.warnings.end(), warning) == spec_.warnings.end())
         spec_.warnings.push_back(std::move(warning));
+  if (tips.size() > 1)
+    spec_.warnings.push_back(
+        "robot.tips: pictures, `tip.x`, `threshold` and `robot --at` are those of the first, '" +
+        tips.front().first + "'");
 }
 
 std::string SpecReader::find_urdf(const Field& urdf, const std::string& given) const {

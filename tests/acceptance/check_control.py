@@ -126,6 +126,17 @@ class Loop:
         self.whole, self.late = whole, late
         self.sections = [(np.array(b, dtype=float), np.array(a, dtype=float)) for b, a in filters.sections_of(case.filter)]
 
+    def filtered(self, value, states):
+        """One sample of the velocity filter; the states are past inputs and outputs of each section."""
+        for (b, a), (ins, outs) in zip(self.sections, states):
+            ins.insert(0, value)
+            ins.pop()
+            value = sum(c * v for c, v in zip(b, ins)) - sum(c * v for c, v in zip(a[1:], outs))
+            if outs:
+                outs.insert(0, value)
+                outs.pop()
+        return value
+
     def simulate(self, reading_error, count, quantum=None, offset=0.0, start=(0.0, 0.0)):
         """Motion and torque; the reading is q + error, or q rounded to multiples of a quantum about an offset."""
         x, past = np.array(start), [0.0] * (self.whole + 2)
@@ -137,14 +148,7 @@ class Loop:
                        else x[0] + (reading_error if k == 0 else 0))
             if quantum and first is None:  # the filter has rested at the first reading
                 first = reading
-            value = reading - (first or 0)
-            for (b, a), (ins, outs) in zip(self.sections, states):
-                ins.insert(0, value)
-                ins.pop()
-                value = sum(c * v for c, v in zip(b, ins)) - sum(c * v for c, v in zip(a[1:], outs))
-                if outs:
-                    outs.insert(0, value)
-                    outs.pop()
+            value = self.filtered(reading - (first or 0), states)
             u = -self.joint["kp"] * reading - self.joint["kd"] * value
             past.insert(0, u)
             past.pop()
@@ -375,14 +379,7 @@ def quantized(loop, quantum, starts, offsets, speeds, count):
     for k in range(count):
         reading = quantum * np.floor((x[0] - offsets) / quantum + 0.5) + offsets
         first = reading if first is None else first  # the filter has rested there
-        value = reading - first
-        for (b, a), (ins, outs) in zip(loop.sections, states):
-            ins.insert(0, value)
-            ins.pop()
-            value = sum(c * v for c, v in zip(b, ins)) - sum(c * v for c, v in zip(a[1:], outs))
-            if outs:
-                outs.insert(0, value)
-                outs.pop()
+        value = loop.filtered(reading - first, states)
         past.insert(0, -loop.joint["kp"] * reading - loop.joint["kd"] * value)
         past.pop()
         if k > count // 2:

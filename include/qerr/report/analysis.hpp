@@ -175,7 +175,7 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec&, unsigned threads = 0);
 std::string derivative_unit(std::string_view unit, const Filter&);
 
 /// Each encoder's share of the mean variance of the tip's position (of all coordinates if no position is
-/// analysed); sums to 1, or is 0 if no encoder moves the tip.
+/// analysed); sums to 1, or is 0 if no encoder moves the tip. Empty without a coordinate of one tip.
 std::vector<double> encoder_budget(const Analysis&);
 
 /// What an encoder's share in the budget consists of: the shares of its quantization, of its `accuracy` (a

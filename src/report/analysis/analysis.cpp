@@ -327,6 +327,7 @@ std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) 
 }  // namespace
 
 std::vector<double> encoder_budget(const Analysis& a) {
+  if (a.spec.model.coordinates.empty()) return {};
   std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
   const double total = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (total > 0)

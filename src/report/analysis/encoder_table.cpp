@@ -19,7 +19,8 @@ std::vector<bool> largest_of(const std::vector<double>& shares) {
 }  // namespace
 
 std::string encoder_table(const Analysis& a, const Style& style) {
-  const std::vector<double> budget = encoder_budget(a);
+  std::vector<double> budget = encoder_budget(a);
+  budget.resize(a.spec.model.chain.independent.size());
   const std::vector<bool> largest = largest_of(budget);
   const auto first = std::count(largest.begin(), largest.end(), true);
   const bool of_tip = !a.spec.model.coordinates.empty();

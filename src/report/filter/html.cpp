@@ -136,7 +136,7 @@ std::string norm_rows(const FilterReport& r) {
                      rows);
 }
 
-/// Of many filters the quietest and the fastest of each derivative.
+/// Names the quietest and the fastest of many filters of each derivative.
 std::string answer_of_many(const FilterReport& r) {
   std::map<int, std::vector<const FilterFigures*>> like;
   for (const FilterFigures& f : r.filters) like[f.filter.derivative].push_back(&f);

@@ -91,8 +91,7 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
                       "give the links their masses"});
   if (spec.model.tips)
     spec.warnings.emplace_back(
-        "of several tips none is compared with the simulation, and tip.x of a log is that of the first: "
-        "give the spec one `robot.tip`");
+        "of several tips none is compared with the simulation: give the spec one `robot.tip`");
   const EffectReport effects = effects_by_range(spec);
   OperationalModel model = spec.model;
   model.sources = effects.sources;

@@ -38,7 +38,8 @@ std::string budget_figures(const Analysis& a) {
   std::vector<std::pair<std::string, std::string>> all;
   const std::vector<double> budget = encoder_budget(a);
   const Eigen::Map<const Eigen::VectorXd> mean(budget.data(), static_cast<Eigen::Index>(budget.size()));
-  all.emplace_back("tip, variance", figure(bars_of(a, "Share of the tip's mean variance", mean)));
+  if (mean.size() > 0)
+    all.emplace_back("tip, variance", figure(bars_of(a, "Share of the tip's mean variance", mean)));
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
@@ -55,6 +56,7 @@ std::string budget_figures(const Analysis& a) {
           ? "<p>Behind each filter the shares are the same: its norm multiplies every encoder's part.</p>"
           : "<p>The shares are those of the unfiltered position: behind a filter the effects of the spec "
             "have other shares, according to their spectra.</p>";
+  if (all.empty()) return "<p>Of the spec's coordinates no shares are computed.</p>";
   return page::choice("Coordinate and bound", all) + filters;
 }
 
