@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "encoder/loop_reading.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {
@@ -20,6 +21,7 @@ struct JointController {
   std::optional<double> inertia = {};   ///< M [kg m^2 or kg]; empty: of the URDF, at each configuration
   std::optional<double> damping = {};   ///< b [N m s/rad or N s/m]
   std::optional<double> friction = {};  ///< [N m or N]
+  LoopReading reading = {};             ///< of the joint's own encoder
 
   bool acts() const { return kp != 0 || kd != 0; }
 };
@@ -63,8 +65,11 @@ struct Control {
   /// one. Set by `with_stated_loops`; else null.
   std::vector<std::shared_ptr<StatedLoop>> stated = {};
 
-  /// The delay in samples; within 1e-9 of an integer it is that.
-  double samples_of_delay() const;
+  /// The delay of a joint's loop in samples, with that of its reading; within 1e-9 of an integer it is that.
+  double samples_of_delay(std::size_t joint) const;
 };
+
+/// Twice the error of each joint's reading that lasts at rest: a count of a perfect encoder [rad or m].
+Eigen::VectorXd widths_at_rest(const Control&, const Eigen::VectorXd& resolutions);
 
 }  // namespace qerr

@@ -9,9 +9,16 @@
 
 namespace qerr {
 
-double Control::samples_of_delay() const {
-  const double samples = delay * sample_rate;
+double Control::samples_of_delay(std::size_t joint) const {
+  const double samples = (delay + joints[joint].reading.delay) * sample_rate;
   return std::abs(samples - std::round(samples)) < 1e-9 ? std::round(samples) : samples;
+}
+
+Eigen::VectorXd widths_at_rest(const Control& control, const Eigen::VectorXd& resolutions) {
+  Eigen::VectorXd widths = resolutions;
+  for (Eigen::Index j = 0; j < widths.size(); ++j)
+    widths[j] = 2 * control.joints[static_cast<std::size_t>(j)].reading.half_width(resolutions[j]);
+  return widths;
 }
 
 ResponseSums response_sums(const Filter& f) {
@@ -176,10 +183,10 @@ std::optional<double> bandwidth_of(const TransferRatio& open, double sample_rate
   return frequency(crossings.front(), sample_rate);
 }
 
-/// Re L > -1/2 at all frequencies: 2 Re(b conj a) + |a|^2 has no positive root, and is positive at z = -1.
-bool never_oscillates(const TransferRatio& open) {
+/// Re L > -1/k at all frequencies: k Re(b conj a) + |a|^2 has no positive root, and is positive at z = -1.
+bool never_oscillates(const TransferRatio& open, double sector) {
   const Parts b = on_circle(open.b), a = on_circle(open.a);
-  const PolynomialInW p = sum(scaled(real_part(b, a), 2.0), squared_magnitude(a));
+  const PolynomialInW p = sum(scaled(real_part(b, a), sector), squared_magnitude(a));
   return positive_roots(p).empty() && value(p, 1) > 0;
 }
 
@@ -230,9 +237,13 @@ TransferRatio Loop::open() const {
 
 Loop loop_of(const Control& c, std::size_t joint, double inertia) {
   const JointController& j = c.joints[joint];
-  const double delay = c.samples_of_delay(), whole = std::floor(delay);
-  return {c.sample_rate, plant_of(inertia, j.damping.value_or(0), c.sample_rate, delay - whole),
-          controller_ratio(j), static_cast<std::size_t>(whole) + 1};
+  const TransferRatio ratio = controller_ratio(j);
+  const double delay = c.samples_of_delay(joint), whole = std::floor(delay);
+  return {c.sample_rate,
+          plant_of(inertia, j.damping.value_or(0), c.sample_rate, delay - whole),
+          {scaled(ratio.b, j.reading.factor), ratio.a},
+          static_cast<std::size_t>(whole) + 1,
+          j.reading};
 }
 
 std::optional<ClosedLoop> closed(const Loop& loop) {
@@ -242,8 +253,10 @@ std::optional<ClosedLoop> closed(const Loop& loop) {
   const auto delays = [&](double sign) {  // 1 -+ w of each
     return std::vector<LinearFactor>(loop.delays, {1.0, sign});
   };
-  return ClosedLoop{filter_of({loop.undelayed().b, below}, loop.sample_rate, delays(-1)),
-                    filter_of({times(loop.controller.b, loop.plant.a), below}, loop.sample_rate, delays(1))};
+  const Binary1024 of_error = Binary1024(1) / loop.reading.factor;
+  return ClosedLoop{filter_of({scaled(loop.undelayed().b, of_error), below}, loop.sample_rate, delays(-1)),
+                    filter_of({scaled(times(loop.controller.b, loop.plant.a), of_error), below},
+                              loop.sample_rate, delays(1))};
 }
 
 LoopMargins margins(const Loop& loop) {
@@ -267,7 +280,7 @@ LoopMargins margins(const Loop& loop) {
   }
   set_phase(open, loop.undelayed(), loop.sample_rate, m);
   m.bandwidth = bandwidth_of(open, loop.sample_rate);
-  m.absolutely_stable = never_oscillates(open);
+  m.absolutely_stable = loop.reading.play == 0 && never_oscillates(open, 2 / loop.reading.narrowest_state);
   return m;
 }
 
@@ -278,18 +291,20 @@ double describing_function(double amplitude, bool on_edge) {
   return 4 / (std::numbers::pi * amplitude) * sum;
 }
 
-LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, double step, double count) {
-  constexpr double largest_on_count = 4 / std::numbers::pi;
+LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, double step,
+                       const LoopReading& reading, double count, double lasting) {
+  // Of rounding to states of one width: the largest N, of a sine across the edges of the narrowest.
+  const double largest_on_count = 4 / (std::numbers::pi * reading.narrowest_state);
   LimitCycle c;
-  c.bound = motion * 0.5 * count;
-  c.torque_bound = torque * 0.5 * count;
-  c.torque_step = step * count;
+  c.bound = motion * lasting;
+  c.torque_bound = torque * lasting;
+  c.torque_step = step * std::abs(reading.count) * count;
   c.on_count = !m.absolutely_stable && std::any_of(m.critical_gains.begin(), m.critical_gains.end(),
-                                                   [](double gain) { return gain <= largest_on_count; });
+                                                   [&](double gain) { return gain <= largest_on_count; });
   if (m.critical_frequency) {
     // Below one count the edge is a relay: N = 2/(pi A).
     c.on_edge = true;
-    c.edge_amplitude = 2 * count / (std::numbers::pi * m.gain);
+    c.edge_amplitude = 2 * count * std::abs(reading.count / reading.factor) / (std::numbers::pi * m.gain);
     c.frequency = *m.critical_frequency;
   }
   return c;

@@ -19,11 +19,12 @@ TransferRatio plant_of(double inertia, double damping, double sample_rate, doubl
 /// F = kp + kd H_v: an error e of the position adds -F e to the torque.
 Filter controller_of(const JointController&, double sample_rate);
 
-/// A joint's loop, L = z^-delays * plant * controller.
+/// A joint's loop, L = z^-delays * plant * controller, the factor of the reading in the controller.
 struct Loop {
   double sample_rate = 0;
   TransferRatio plant, controller;
   std::size_t delays = 0;
+  LoopReading reading = {};
 
   TransferRatio undelayed() const;  ///< plant * controller, with |L| on the unit circle
   TransferRatio open() const;       ///< L
@@ -32,7 +33,7 @@ struct Loop {
 Loop loop_of(const Control&, std::size_t joint, double inertia);
 
 /// What an error e of the position reading does in the closed loop: the true motion is -L/(1 + L) e, the
-/// torque -C/(1 + L) e.
+/// torque -C/(1 + L) e; both divided by the factor of the reading, beside which the error stands.
 struct ClosedLoop {
   Filter motion;  ///< L/(1 + L)
   Filter torque;  ///< C/(1 + L) [N m/rad or N/m]
@@ -55,7 +56,7 @@ struct LoopMargins {
   std::optional<double> critical_frequency;  ///< where L is negative and 1/|L| is `gain` [Hz]
   std::optional<double> bandwidth;           ///< where |L/(1 + L)| is 1/sqrt(2) of its value at 0 Hz [Hz]
   /// Re L > -1/2 at all frequencies: no oscillation between counts exists, whatever the motion (Tsypkin; the
-  /// sector of rounding is [0, 2]).
+  /// sector of rounding is [0, 2], [0, 2/w] with a state of w counts). Never claimed beside play.
   bool absolutely_stable = false;
 };
 
@@ -65,21 +66,36 @@ LoopMargins margins(const Loop&);
 /// a count, N = (4/(pi A)) sum sqrt(1 - ((2i - 1)/(2A))^2), at most 4/pi; or on the edge between two.
 double describing_function(double amplitude, bool on_edge);
 
-/// What quantization may keep alive in a loop at rest.
+/// A motion that play is predicted to keep alive.
+struct PlayCycle {
+  double amplitude = 0;  ///< of the joint [rad or m]
+  double frequency = 0;  ///< [Hz]
+};
+
+/// The largest sine at which L N = -1, N(A) the describing function of play of a width g: for an encoder on
+/// the driving side, which leads by g/2 in the direction of motion, 1 + 2j g/(pi A); behind the play, with b
+/// = 1 - g/A, (pi/2 + asin b + b sqrt(1 - b^2))/pi - j (1 - b^2)/pi for A above g/2. Empty: none is
+/// predicted. Searched on a grid of 600 frequencies a loop, the crossings to double precision.
+std::optional<PlayCycle> play_cycle(const Loop&, double play, bool behind_play);
+
+/// What quantization and play may keep alive in a loop at rest.
 struct LimitCycle {
-  double bound = 0;           ///< ||L/(1 + L)||_1 times half a count: no lasting motion is larger [rad or m]
-  double torque_bound = 0;    ///< ||C/(1 + L)||_1 times half a count [N m or N]
-  bool on_count = false;      ///< the describing function predicts one about a count
-  bool on_edge = false;       ///< or about the edge between two counts
-  double edge_amplitude = 0;  ///< of the motion predicted there [rad or m]
-  double frequency = 0;       ///< predicted [Hz]
-  double torque_step = 0;     ///< largest torque that follows one count [N m or N]
+  double bound = 0;  ///< ||L/(1 + L)||_1 times the lasting error: no lasting motion is larger [rad or m]
+  double torque_bound = 0;             ///< ||C/(1 + L)||_1 times the lasting error [N m or N]
+  bool on_count = false;               ///< the describing function predicts one about a count
+  bool on_edge = false;                ///< or about the edge between two counts
+  double edge_amplitude = 0;           ///< of the motion predicted there [rad or m]
+  double frequency = 0;                ///< predicted [Hz]
+  double torque_step = 0;              ///< largest torque that follows one count [N m or N]
+  std::optional<PlayCycle> play = {};  ///< of a loop whose reading has play
 };
 
 /// @param motion, torque  ||L/(1 + L)||_1 and ||C/(1 + L)||_1
 /// @param step            of largest_step
-/// @param count           of the joint [rad or m]: twice the half width of its error
-LimitCycle limit_cycle(const LoopMargins&, double motion, double torque, double step, double count);
+/// @param count           of the joint [rad or m]: twice the half width of its rounding error
+/// @param lasting         half width of the error that lasts at rest [rad or m]
+LimitCycle limit_cycle(const LoopMargins&, double motion, double torque, double step, const LoopReading&,
+                       double count, double lasting);
 
 /// The largest value of a controller's response to a unit step [N m/rad or N/m].
 double largest_step(const Filter& controller);

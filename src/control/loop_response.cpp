@@ -90,9 +90,10 @@ LoopResponse loop_response(const JointController& c, double inertia, double samp
   LoopResponse r;
   Decay decay;
   double q = 0, v = 0;
+  const double factor = c.reading.factor;
   const std::size_t size = torques.size();
   for (std::size_t k = 0; k < most_samples; ++k) {
-    const double reading = q + (k == 0 ? 1 : 0);
+    const double reading = factor * q + (k == 0 ? 1 : 0);
     const double u = -c.kp * reading - (c.kd != 0 ? c.kd * velocity.step(reading) : 0);
     torques[k % size] = u;
     r.motion.push_back(q);
@@ -166,8 +167,8 @@ class LoopRun {
         before_(4 * loops_of_run),
         after_(4 * loops_of_run) {
     const double whole = std::floor(delay), late = delay - whole;
-    plan_ = {c.kp,
-             c.kd,
+    plan_ = {c.kp * c.reading.factor,
+             c.kd * c.reading.factor,
              filter_.sections.data(),
              filter_.sections.size(),
              filter_.taps.data(),
@@ -182,7 +183,7 @@ class LoopRun {
       const double inertia = running_[i] ? inertias[i] : 1, damping = c.damping.value_or(0);
       set(before_, i, step_of(inertia, damping, late / sample_rate));
       set(after_, i, step_of(inertia, damping, (1 - late) / sample_rate));
-      at(LoopRows::error, i) = running_[i] ? 1 : 0;
+      at(LoopRows::error, i) = running_[i] ? 1 / c.reading.factor : 0;
     }
   }
 
@@ -250,7 +251,7 @@ class LoopRun {
 
 bool close_the_same(const JointController& x, const JointController& y) {
   return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&
-         x.inertia == y.inertia;
+         x.inertia == y.inertia && x.reading == y.reading;
 }
 
 std::vector<LoopNorms> loop_norms(const JointController& c, const std::vector<double>& inertias,
@@ -305,8 +306,8 @@ const LoopNorms& LoopsOfBatch::norms(std::size_t joint, Eigen::Index configurati
     std::vector<double> different = of.inertias;
     std::sort(different.begin(), different.end());
     different.erase(std::unique(different.begin(), different.end()), different.end());
-    const std::vector<LoopNorms> all =
-        loop_norms(control_->joints[joint], different, control_->sample_rate, control_->samples_of_delay());
+    const std::vector<LoopNorms> all = loop_norms(control_->joints[joint], different, control_->sample_rate,
+                                                  control_->samples_of_delay(joint));
     for (const double inertia : of.inertias)
       of.norms.push_back(all[static_cast<std::size_t>(
           std::lower_bound(different.begin(), different.end(), inertia) - different.begin())]);
@@ -317,7 +318,7 @@ const LoopNorms& LoopsOfBatch::norms(std::size_t joint, Eigen::Index configurati
 const LoopResponse& LoopsOfBatch::response(std::size_t joint, Eigen::Index configuration) {
   const auto evaluated = [&](double inertia) {
     return inertia > 0 ? loop_response(control_->joints[joint], inertia, control_->sample_rate,
-                                       control_->samples_of_delay())
+                                       control_->samples_of_delay(joint))
                        : LoopResponse{};
   };
   if (joint < control_->stated.size() && control_->stated[joint]) {

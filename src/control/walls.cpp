@@ -9,21 +9,22 @@
 namespace qerr {
 
 WallLimit wall_limit(const Control& control, const Eigen::VectorXd& g, const Eigen::MatrixXd& coupling,
-                     const Eigen::VectorXd& resolutions) {
+                     const Eigen::VectorXd& widths) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   WallLimit limit{infinity, infinity, 0, 0};
-  const double counts = (coupling.transpose() * g).cwiseAbs().dot(resolutions);
-  double yield = 0, largest = -1;  // sum of g_i^2/b_i
+  const double counts = (coupling.transpose() * g).cwiseAbs().dot(widths);
+  double delay = 0, largest = -1, yield = 0;  // sum of g_i^2/b_i
   for (Eigen::Index i = 0; i < g.size(); ++i) {
     if (g[i] == 0) continue;
     const auto joint = static_cast<std::size_t>(i);
     const double share = g[i] * g[i] / control.joints[joint].damping.value();
     yield += share;
+    delay = std::max(delay, control.samples_of_delay(joint));
     if (share > largest) largest = share, limit.sampling_joint = joint;
     const double stiffness = 2 * control.joints[joint].friction.value() / (std::abs(g[i]) * counts);
     if (stiffness < limit.quantization) limit.quantization = stiffness, limit.quantization_joint = joint;
   }
-  if (yield > 0) limit.sampling = 2 * control.sample_rate / ((1 + 2 * control.samples_of_delay()) * yield);
+  if (yield > 0) limit.sampling = 2 * control.sample_rate / ((1 + 2 * delay) * yield);
   return limit;
 }
 

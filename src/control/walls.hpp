@@ -20,6 +20,9 @@ namespace qerr {
 ///   and gives off nothing while it is below the joint's Coulomb friction f_i: K <= 2 f_i/(|g_i| sum_j |g^T
 ///   C|_j Delta_j). Of one joint: K <= 2 f/Delta.
 ///
+/// An error that lasts at rest beside that of counts, of play or unequal states, widens the counts; of
+/// delays of several readings the longest is taken.
+///
 /// Of one axis both together are necessary and sufficient (Abbott and Okamura, IEEE Trans. Robotics 21(5),
 /// 2005); of several joints, sufficient.
 struct WallLimit {
@@ -34,9 +37,10 @@ struct WallLimit {
 
 /// @param g         J^T n, of the independent joints [m/rad or 1]
 /// @param coupling  joints by encoders
+/// @param widths    of the encoders: twice the error that lasts at rest, a count of a perfect one
 /// @pre damping and friction of all joints are stated
 WallLimit wall_limit(const Control&, const Eigen::VectorXd& g, const Eigen::MatrixXd& coupling,
-                     const Eigen::VectorXd& resolutions);
+                     const Eigen::VectorXd& widths);
 
 /// J^T n at a configuration. Entries below 1e-12 of the largest are rounding and become 0.
 Eigen::VectorXd felt_by(const Chain&, const Wall&, const Eigen::VectorXd& q);

@@ -8,11 +8,14 @@
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 /// Reads the sections `control` and `walls` of a spec.
 namespace qerr {
 
 namespace {
+
+constexpr double longest_delay = 64;  // samples: each is an order of the loop
 
 constexpr std::string_view of_controllers = "torque.";  ///< before a joint's name: its filter
 
@@ -188,8 +191,7 @@ void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
   }
   control.sample_rate = rate_of(o, control);
   control.delay = o.number("delay").value_or(1 / control.sample_rate);
-  constexpr double longest_delay = 64;  // samples: each is an order of the loop
-  if (!(control.samples_of_delay() <= longest_delay))
+  if (!(control.delay * control.sample_rate <= longest_delay))
     throw Error(o.at("delay").fault("is longer than 64 samples",
                                     "give the time from reading to torque, such as 1 ms"));
   check_inertias(f, control, spec);
@@ -236,6 +238,34 @@ void read_walls(const Field& f, Spec& spec, Faults& faults) {
       control.walls.push_back({key.name, normal.normalized()});
     });
   spec.model.control = std::make_shared<const Control>(std::move(control));
+}
+
+void add_loop_readings(const Field& f, Spec& spec) {
+  std::vector<Fault> faults;
+  Control control = *spec.model.control;
+  const Chain& chain = spec.model.chain;
+  for (std::size_t j = 0; j < control.joints.size(); ++j) {
+    const std::string& name = chain.independent[j].name;
+    LoopReading& reading = control.joints[j].reading = {};
+    for (const Effect& e : spec.effects)
+      if (const EffectKind& kind = effect_kind(e.type); kind.in_loop && e.joint == name && has_size(e))
+        kind.in_loop(e, spec.model.transmission.encoders[j], reading);
+    if (!control.joints[j].acts()) continue;
+    const auto fault = [&](const char* rule, const std::string& found, const char* remedy) {
+      faults.push_back({f.node->place, f.path, "the loop of joint '" + name + "' " + rule, found, remedy});
+    };
+    const double delay = control.samples_of_delay(j);
+    if (reading.factor == 0)
+      fault("reads nothing: its effects multiply the reading by 0", "", "give the scale another value");
+    if (delay < 0)
+      fault("would read the future: its reading is early by more than control.delay",
+            shortest(delay) + " samples", "raise control.delay, or make the latency positive");
+    if (delay > longest_delay)
+      fault("is delayed by more than 64 samples, by control.delay and latency", shortest(delay) + " samples",
+            "make the latency shorter, or the loop slower");
+  }
+  if (!faults.empty()) throw Error(faults);
+  spec.model.control = std::make_shared<const Control>(with_stated_loops(std::move(control)));
 }
 
 void add_signals_of_joints(Spec& spec) {

@@ -71,6 +71,8 @@ void update_controllers(const Control&, std::vector<NamedFilter>&);
 void read_walls(const Field&, Spec&, Faults&);
 /// Adds the coordinates of joints that have filters or controllers of their own, and the signals of loops.
 void add_signals_of_joints(Spec&);
+/// What the effects of the encoders make of the loops' readings. @pre control and effects have been read
+void add_loop_readings(const Field&, Spec&);
 /// @param field  its node is null if the section is absent; the defaults are then checked
 void read_configurations(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 void read_requirements(const Field&, Spec&, Faults&);

@@ -181,6 +181,13 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          section(top, "effects", r.faults_,
                  [&](const Field& f) { read_effects(f, *r.robot_, r.spec_, r.faults_); });
        }},
+      {{},
+       {"control", "walls", "effects", "encoders"},
+       [](Spec&) {},
+       [](SpecReader& r, const Object& top) {
+         if (!r.faults_.any() && r.spec_.model.control)
+           section(top, "control", r.faults_, [&](const Field& f) { add_loop_readings(f, r.spec_); });
+       }},
       {{"sweep"},
        {},
        [](Spec& spec) { spec.sweep.clear(); },

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks controllers, loops and walls of `qerr analyze` against an own computation and simulations.
 
-    check_control.py --qerr PATH [--count 12] [--inertias 0] [--loops 8] [--unstable 6] [--walls 6] [--seed 1]
+    check_control.py --qerr PATH [--count 12] [--inertias 0] [--loops 8] [--effects 4] [--unstable 6] [--walls 6] [--seed 1]
 
 Random planar arms of two joints with masses, couplings, velocity filters, gains, delays (fractions of a sample, too) and
 stated or varying inertias. Torques: norms of the impulse response kp + kd h. Closed loops: responses by a matrix
@@ -10,7 +10,7 @@ their response. Stable loops are then simulated with the quantizer in the loop a
 Walls: the formulas.
 
 --loops: single joints, whose bounds are those that the program states, with the quantizer in the loop from many starts and
-offsets at once; --unstable: loops above their critical gain by a millionth or more, and loops without damping; --walls:
+offsets at once; --effects: with an effect that changes them, read and driven at parts of a sample; --unstable: loops above their critical gain by a millionth or more, and loops without damping; --walls:
 energy of random hand motions at 0.99 of the program's limit, and of the two critical motions of one axis at 1.3 of it.
 """
 import argparse
@@ -358,6 +358,7 @@ class Single:
         return Loop(self, 0, self.joints[0]["inertia"])
 
     def report(self, qerr, folder, walls=""):
+        """Of `qerr analyze`; `walls` are sections to add."""
         j, low = self.joints[0], self.filter.get("lowpass")
         lowpass = "" if not low else f", lowpass: {{family: {low['family']}, order: {low['order']}, cutoff: {low['cutoff']!r}}}"
         gains = f"kp: {j['kp']!r}, " + (f"kd: {j['kd']!r}, velocity: v, " if j["kd"] else "")
@@ -420,6 +421,113 @@ def check_loops(t, qerr, folder, count, seed):
             break
     t.check(f"{beyond_half} of {done} quantized loops go beyond half of the torque's bound, the nearest to {nearest:.2f} of it",
             done == count and beyond_half >= 0.3 * count)
+
+
+class Reading:
+    """What an effect makes of the motion, by its definition; of many runs side by side."""
+
+    def __init__(self, rng, case):
+        self.kind = rng.choice(["latency", "scale", "decoding", "drive", "load"])
+        self.late, self.factor, self.play, d = 0.0, 1.0, 0.0, case.delta
+        if self.kind == "latency":
+            self.late = rng.choice([1, 2, rng.randint(1, 16) / PARTS]) / case.rate
+            self.row = f"{{type: latency, joint: j, delay: {self.late!r}}}"
+        elif self.kind in ("scale", "decoding"):
+            self.factor = rng.uniform(0.4, 2.5) if self.kind == "scale" else rng.choice([2, 3, 0.5, 0.25])
+            size = self.factor - 1 if self.kind == "scale" else self.factor
+            self.row = f"{{type: {self.kind}, joint: j, {'scale' if self.kind == 'scale' else 'factor'}: {size!r}}}"
+        else:
+            self.play = d * rng.choice([0.5, 3, 1000])
+            self.row = f"{{type: backlash, joint: j, gap: {self.play!r}, side: {self.kind}}}"
+        self.at = None  # the driven side
+
+    def counts(self, x, v, d, offsets):
+        if self.kind == "drive":
+            x = x + 0.5 * self.play * np.sign(v)
+        if self.kind == "load":
+            self.at = x if self.at is None else np.clip(self.at, x - 0.5 * self.play, x + 0.5 * self.play)
+            x = self.at
+        n = np.floor(((self.factor if self.kind == "scale" else 1) * x - offsets) / d + 0.5)
+        return (np.floor(self.factor * n + 0.5) if self.kind == "decoding" else n) * d + offsets
+
+
+PARTS = 8  # of a sample, at which motions are known
+
+
+def read_loop(case, reading, starts, offsets, speeds, count):
+    """Largest motion and torque in the last third of many runs, the joint read late and the torque late, and the largest
+    amplitude: within its play a joint may rest anywhere."""
+    joint, loop = case.joints[0], case.loop()
+    a, b = held(joint["inertia"], joint["damping"], 1 / case.rate / PARTS)
+    x, late, due = np.array([starts, speeds]), round(reading.late * case.rate * PARTS), round(case.delay * case.rate * PARTS)
+    states = [([np.zeros(len(starts)) for _ in num], [np.zeros(len(starts)) for _ in den[1:]]) for num, den in loop.sections]
+    past, torques, first, motion, torque = [x] * (late + 1), {}, None, 0.0, 0.0
+    held_torque, least, most = np.zeros(len(starts)), np.inf, -np.inf
+    for n in range(count * PARTS):
+        past = [x] + past[:late]
+        if n % PARTS == 0:
+            read = reading.counts(past[-1][0], past[-1][1], case.delta, offsets)
+            first = read if first is None else first
+            value = loop.filtered(read - first, states)
+            torques[n + due] = -joint["kp"] * read - joint["kd"] * value
+            if n > count * PARTS * 2 // 3:
+                motion, torque = max(motion, np.abs(past[-1][0]).max()), max(torque, np.abs(torques[n + due]).max())
+                least, most = np.minimum(least, past[-1][0]), np.maximum(most, past[-1][0])
+        held_torque = torques.pop(n, held_torque)
+        x = a @ x + np.outer(b, held_torque)
+        if not np.abs(x[0]).max() < 1e6 * case.delta + 100 * reading.play:
+            return None
+    return motion, torque, 0.5 * (most - least).max()
+
+
+def check_effects(t, qerr, folder, count, seed):
+    """Effects that change a loop: the loop as the program states it is that of a simulation by the effect's definition."""
+    done, kinds, reached, play = 0, set(), 0.0, Worst(0.25)
+    for i in range(100 * count):
+        rng = random.Random(f"effects {seed} {i}")
+        case = Single(rng)
+        case.delay = rng.randint(0, 2 * PARTS) / PARTS / case.rate
+        reading = Reading(rng, case)
+        ran = case.report(qerr, folder, f"effects: [{reading.row}]\n")
+        if not t.check(f"effect {i} runs", ran.code == 0, ran.err.decode()[:300]):
+            continue
+        told = json.loads(ran.out)["control"]["loops"][0]
+        gains = case.joints[0]["kp"], case.joints[0]["kd"], case.delay
+        case.joints[0]["kp"] *= reading.factor
+        case.joints[0]["kd"] *= reading.factor
+        case.delay += reading.late
+        loop = case.loop()
+        response = loop.response()
+        t.check(f"effect {i}, {reading.row}: stable or not", told["stable"] == (response is not None), told)
+        if told["stable"] and response is not None:
+            for key, value in loop.margins().items():
+                t.check(f"effect {i}, {reading.row}: {key}", not math.isfinite(value)
+                        or math.isclose(told[key], value, rel_tol=1e-4), f"{told[key]} {value}")
+        case.joints[0]["kp"], case.joints[0]["kd"], case.delay = gains
+        if response is None or len(response[0]) > 1000:
+            continue
+        runs, d, size = 24, case.delta, case.delta + reading.play
+        starts, speeds = [np.array([rng.uniform(-1, 1) * size * scale for _ in range(runs)]) for scale in (2, case.rate * 0.1)]
+        offsets = np.array([rng.choice([0, 0.5, rng.uniform(-0.5, 0.5)]) * d for _ in range(runs)])
+        ran = read_loop(case, reading, starts, offsets, speeds, 3000)
+        cycle = told["limit_cycle"]
+        if not t.check(f"effect {i}, {reading.row}: it ends", ran is not None):
+            continue
+        # Offsets of the counts displace the middle of a motion, by half a count at most.
+        middle = 0.5 * d / reading.factor if reading.factor != 1 else 0
+        t.check(f"effect {i}, {reading.row}: within its bounds", ran[0] <= cycle["bound"] * (1 + 1e-6) + middle
+                and ran[1] <= cycle["torque_bound"] * (1 + 1e-6) + middle * gains[0], f"{ran} {cycle}")
+        reached = max(reached, ran[1] / cycle["torque_bound"])
+        if reading.play > 100 * d:  # else counts disturb it; without a motion kept alive it may drift from flank to flank, ever slower
+            play.add(f"effect {i}, {reading.row}: motion", cycle.get("play_amplitude", 0), ran[2],
+                     2 * d + (0 if "play_amplitude" in cycle else 0.5 * reading.play))
+        kinds.add(reading.kind)
+        done += 1
+        if done == count:
+            break
+    t.check(f"loops with {', '.join(sorted(kinds))}: at most {reached:.2f} of the torque's bound", done == count and reached <= 1 + 1e-6)
+    if play.count:  # a describing function is an approximation
+        t.check(f"{play.count} motions kept alive by play, as predicted", play.holds(), play.detail())
 
 
 def check_unstable(t, qerr, folder, count, seed):
@@ -516,6 +624,7 @@ def main():
     parser.add_argument("--count", type=int, default=12)
     parser.add_argument("--loops", type=int, default=8)
     parser.add_argument("--inertias", type=int, default=0, help="of so many cases search the least margins between inertias, too")
+    parser.add_argument("--effects", type=int, default=4)
     parser.add_argument("--unstable", type=int, default=6)
     parser.add_argument("--walls", type=int, default=6)
     parser.add_argument("--seed", type=int, default=1)
@@ -534,7 +643,7 @@ def main():
             if tally.check(f"case {i} runs", done.code == 0, done.err.decode()[:500]):
                 check_case(case, json.loads(done.out), worst, reached, tally, rng, f"case {i}", i < arguments.inertias)
         qerr = pathlib.Path(arguments.qerr).resolve()
-        for check, count in ((check_loops, arguments.loops), (check_unstable, arguments.unstable), (check_walls, arguments.walls)):
+        for check, count in ((check_loops, arguments.loops), (check_effects, arguments.effects), (check_unstable, arguments.unstable), (check_walls, arguments.walls)):
             if count:
                 check(tally, qerr, pathlib.Path(folder), count, arguments.seed)
     for name, w in worst.items() if arguments.count else ():

@@ -49,7 +49,7 @@ Control random_control(unsigned seed) {
 Loop loop_of(const Control& c) { return loop_of(c, 0, *c.joints[0].inertia); }
 
 LoopResponse response_of_loop(const Control& c) {
-  return loop_response(c.joints[0], *c.joints[0].inertia, c.sample_rate, c.samples_of_delay());
+  return loop_response(c.joints[0], *c.joints[0].inertia, c.sample_rate, c.samples_of_delay(0));
 }
 
 constexpr unsigned random_loops = 60;
@@ -125,11 +125,11 @@ TEST(Loop, RecursionsSideBySideAreThoseOfEachInertia) {
     const JointController& j = c.joints[0];
     std::vector<double> inertias{0};  // moves at once: no loop
     for (int i = 0; i < 12; ++i) inertias.push_back(*j.inertia * std::pow(1.3, i - 6));
-    const std::vector<LoopNorms> found = loop_norms(j, inertias, c.sample_rate, c.samples_of_delay());
+    const std::vector<LoopNorms> found = loop_norms(j, inertias, c.sample_rate, c.samples_of_delay(0));
     ASSERT_EQ(found.size(), inertias.size());
     EXPECT_FALSE(found[0].stable());
     for (std::size_t i = 1; i < inertias.size(); ++i) {
-      const LoopResponse r = loop_response(j, inertias[i], c.sample_rate, c.samples_of_delay());
+      const LoopResponse r = loop_response(j, inertias[i], c.sample_rate, c.samples_of_delay(0));
       ASSERT_EQ(found[i].stable(), r.stable) << seed << ' ' << i;
       if (!r.stable) continue;
       for (const auto& [norms, of] : {std::pair{found[i].motion, &LoopResponse::motion},
@@ -195,7 +195,7 @@ TEST(Loop, ControllerIsOneFilterOfTheSameError) {
 std::pair<double, double> quantized_loop(const Control& c, double count, double offset, double start,
                                          std::size_t samples) {
   const JointController& j = c.joints[0];
-  const double rate = c.sample_rate, b = j.damping.value_or(0), m = *j.inertia, delay = c.samples_of_delay();
+  const double rate = c.sample_rate, b = j.damping.value_or(0), m = *j.inertia, delay = c.samples_of_delay(0);
   const auto whole = static_cast<std::size_t>(delay);
   constexpr int fine = 64;  // steps of a sample: the delay is rounded to them
   const auto late = static_cast<std::size_t>(std::round((delay - std::floor(delay)) * fine));
@@ -226,15 +226,15 @@ TEST(LimitCycle, NoQuantizedLoopExceedsTheBoundsAndSomeComeNear) {
   double nearest = 0;
   for (unsigned seed = 0; seed < random_loops; ++seed) {
     Control c = random_control(seed);
-    c.delay = std::round(c.samples_of_delay() * 64) / 64 / c.sample_rate;
+    c.delay = std::round(c.samples_of_delay(0) * 64) / 64 / c.sample_rate;
     const Loop loop = loop_of(c);
     const auto l = closed(loop);
     if (!l) continue;
     const LoopResponse response = response_of_loop(c);
     const std::size_t length = response.motion.size();
     if (length > 20000) continue;
-    const LimitCycle bound =
-        limit_cycle(margins(loop), l1_norm(l->motion).upper, l1_norm(l->torque).upper, 1, count);
+    const LimitCycle bound = limit_cycle(margins(loop), l1_norm(l->motion).upper, l1_norm(l->torque).upper, 1,
+                                         {}, count, 0.5 * count);
     for (const double offset : {0.0, 0.5, 0.31, -0.17}) {
       const auto [motion, torque] = quantized_loop(c, count, offset * count, 3 * count, 4 * length);
       EXPECT_LE(motion, bound.bound * (1 + 1e-6)) << seed;

@@ -39,7 +39,7 @@ using HandMotion = std::vector<Eigen::VectorXd>;
 /// Coulomb friction; inertia gives back what it takes. @param points  at multiples of a 1/`fine` of a sample
 double hand_energy(const WallAxes& a, double stiffness, const HandMotion& points, int fine) {
   const double t = 1 / (a.control.sample_rate * fine);
-  const auto delay = static_cast<int>(std::lround(a.control.samples_of_delay() * fine));
+  const auto delay = static_cast<int>(std::lround(a.control.samples_of_delay(0) * fine));
   double sum = 0;
   for (int k = 0; k + 1 < static_cast<int>(points.size()); ++k) {
     const int late = k - delay, sample = late < 0 ? 0 : late / fine * fine;

@@ -161,21 +161,41 @@ TEST_F(ControlSection, AnUnstableLoopMeetsNoRequirement) {
   EXPECT_TRUE(told);
 }
 
-TEST_F(ControlSection, LoopsAreNotJudgedBesideEffectsThatChangeThem) {
-  const std::string margin = "requirements: [{quantity: loop.j1.gain_margin, at_least: 0.1}]\n";
-  const auto beside = [&](const std::string& effect) {
-    try {
-      return check(controlled(margin + "effects: [" + effect + "]\n")).all_met() ? "met" : "not met";
-    } catch (const Error&) {
-      return "refused";
-    }
+TEST_F(ControlSection, LoopsAreThoseOfTheDelayedOrMultipliedReading) {
+  const auto loop = [&](const std::string& more, const SpecOverrides& changed = {}) {
+    const Analysis a = analyze(controlled(more, changed));
+    return a.control->loops.front();
   };
-  EXPECT_STREQ(beside(""), "met");
-  EXPECT_STREQ(beside("{type: latency, joint: j1, delay: 2 ms}"), "refused");
-  EXPECT_STREQ(beside("{type: decoding, joint: j1, factor: -1}"), "refused");
-  EXPECT_STREQ(beside("{type: scale, joint: j1, scale: 1}"), "refused");
-  EXPECT_STREQ(beside("{type: latency, joint: j2, delay: 2 ms}"), "met") << "of the other loop";
-  EXPECT_STREQ(beside("{type: noise, joint: j1, sigma: 1 mrad}"), "met");
+  const auto gain = [](const LoopReport& l) { return l.margins.gain; };
+  const double alone = gain(loop(""));
+  EXPECT_LT(gain(loop("effects: [{type: latency, joint: j1, delay: 0.3 ms}]\n")), alone);
+  EXPECT_DOUBLE_EQ(gain(loop("effects: [{type: latency, joint: j1, delay: 0.3 ms}]\n")),
+                   gain(loop("", {{{"control.delay", "1.3 ms"}}, {}})));
+  EXPECT_NEAR(gain(loop("effects: [{type: scale, joint: j1, scale: 0.25}]\n")), alone / 1.25, 1e-9 * alone);
+  EXPECT_DOUBLE_EQ(gain(loop("effects: [{type: latency, joint: j2, delay: 2 ms}]\n")), alone)
+      << "of the other";
+  EXPECT_FALSE(loop("effects: [{type: decoding, joint: j1, factor: -1}]\n").stable);
+  EXPECT_THROW(controlled("effects: [{type: latency, joint: j1, delay: -2 ms}]\n"), Error) << "of the future";
+  EXPECT_THROW(controlled("effects: [{type: scale, joint: j1, scale: -1}]\n"), Error) << "reads nothing";
+}
+
+TEST_F(ControlSection, PlayAndUnequalStatesLastAtRest) {
+  const auto cycle = [&](const std::string& more) {
+    return analyze(controlled(more)).control->loops.front().cycle;
+  };
+  const LimitCycle alone = cycle(""), play = cycle("effects: [{type: backlash, joint: j1, gap: 1 mrad}]\n");
+  EXPECT_NEAR(play.bound, 2 * alone.bound, 1e-9 * play.bound) << "of a count of 1 mrad";
+  ASSERT_TRUE(play.play);
+  EXPECT_GT(play.bound, play.play->amplitude);
+  EXPECT_FALSE(alone.play);
+  const std::string wall = "walls: {w: {normal: [1, 0, 0]}}\n";
+  const auto limit = [&](const std::string& more) {
+    return analyze(controlled(wall + more)).control->walls.front().quantization;
+  };
+  EXPECT_LT(limit("effects: [{type: backlash, joint: j1, gap: 1 mrad}]\n"), limit(""));
+  const std::string scale = "effects: [{type: scale, joint: j1, scale: 0.1}]\n",
+                    required = "requirements: [{quantity: wall.w.stiffness, at_least: 1}]\n";
+  EXPECT_THROW(check(controlled(wall + scale + required)), Error) << "not counted in a wall";
 }
 
 TEST_F(ControlSection, AWallThatNoJointFeelsIsNoRequirement) {

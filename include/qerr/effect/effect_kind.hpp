@@ -48,6 +48,7 @@ struct CountError {
   double factor = 1, excess = 0;
 };
 
+struct LoopReading;
 struct RecordSignals;
 struct Term;
 
@@ -126,9 +127,8 @@ struct EffectKind {
   /// What a decoder makes of the rounding error; null: nothing.
   CountError (*count_error)(const Effect&) = nullptr;
   bool jumps = false;  ///< at single positions, by more than a count
-  /// Delays or multiplies what is read: a loop that is closed by it has another gain, which no bound of an
-  /// error beside it covers.
-  bool changes_loop = false;
+  /// What it makes of a loop that is closed by the reading; null: a bounded error beside the reading.
+  void (*in_loop)(const Effect&, const Encoder&, LoopReading&) = nullptr;
   std::optional<EncoderNeed> encoder_need = {};
 
   // Diagnosis.

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "effect/effects/effects.hpp"
+#include "encoder/loop_reading.hpp"
 
 namespace qerr {
 
@@ -86,6 +87,11 @@ EffectKind backlash_effect() {
             const double half = 0.5 * e.number("gap");
             return Share{0, half, half, Spectrum::motion, e.number("gap")};
           },
+          .in_loop =
+              [](const Effect& e, const Encoder&, LoopReading& r) {
+                r.play += e.number("gap");
+                r.behind_play = lags(e);
+              },
           .terms = terms,
           // The record's side of motion ignores reversals within the reference's noise; the action would not.
           .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {

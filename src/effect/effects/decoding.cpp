@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "effect/effects/effects.hpp"
+#include "encoder/loop_reading.hpp"
 
 namespace qerr {
 
@@ -51,7 +52,13 @@ EffectKind decoding_effect() {
           .share = share,
           .need = Need::position,
           .count_error = count_error,
-          .changes_loop = true,
+          .in_loop =
+              [](const Effect& e, const Encoder&, LoopReading& r) {
+                const double factor = e.number("factor");
+                r.factor *= factor;
+                r.count *= factor;
+                if (factor != std::floor(factor)) r.excess += 0.5;  // the product is rounded again
+              },
           .remedy = {false, "set the decoding, or the counts per revolution, in the counter or in the spec"}};
 }
 

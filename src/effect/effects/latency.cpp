@@ -1,4 +1,5 @@
 #include "effect/effects/effects.hpp"
+#include "encoder/loop_reading.hpp"
 
 namespace qerr {
 
@@ -40,7 +41,7 @@ EffectKind latency_effect() {
           .share = [](const Effect& e, const Encoder&,
                       const Usage& u) { return proportional(-e.number("delay"), u.velocity); },
           .need = Need::velocity,
-          .changes_loop = true,
+          .in_loop = [](const Effect& e, const Encoder&, LoopReading& r) { r.delay += e.number("delay"); },
           .terms = terms,
           .twins = {{"backlash", "reversals at two speeds or more, with a standstill after each"},
                     {"clock_drift", "a longer record, with the same speeds at its start and at its end"}},

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "effect/effects/effects.hpp"
+#include "encoder/loop_reading.hpp"
 
 namespace qerr {
 
@@ -53,6 +54,12 @@ EffectKind state_width_effect() {
                           .most = 1.5}},
           .action = action,
           .share = share,
+          .in_loop =
+              [](const Effect& e, const Encoder& encoder, LoopReading& r) {
+                const double shift = std::abs(displacement(e, encoder)) / encoder.resolution;
+                r.excess += 0.5 * shift;
+                r.narrowest_state -= shift;
+              },
           .encoder_need = EncoderNeed{.least = 4,
                                       .most = 4,
                                       .why = "unequal states are modelled only for four counts per period",

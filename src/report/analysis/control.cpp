@@ -64,6 +64,14 @@ double count_of(const Spec& spec, std::size_t joint) {
   return t.coupling.row(static_cast<Eigen::Index>(joint)).cwiseAbs().dot(resolutions(t));
 }
 
+/// Half width of the error of a joint's reading that lasts at rest [rad or m].
+double lasting_error(const Spec& spec, std::size_t joint) {
+  const Transmission& t = spec.model.transmission;
+  return 0.5 * t.coupling.row(static_cast<Eigen::Index>(joint))
+                   .cwiseAbs()
+                   .dot(widths_at_rest(*spec.model.control, resolutions(t)));
+}
+
 /// A joint's loop at inertias of its range, each evaluated once.
 class LoopOfJoint {
  public:
@@ -71,6 +79,7 @@ class LoopOfJoint {
       : control_(*spec.model.control),
         joint_(joint),
         count_(count_of(spec, joint)),
+        lasting_(lasting_error(spec, joint)),
         step_(largest_step(controller_of(control_.joints[joint], control_.sample_rate))) {}
 
   /// The bounds of its cycle are those of the recursion.
@@ -80,9 +89,9 @@ class LoopOfJoint {
     LoopAtInertia& l = known->second;
     l.margins = margins(loop_of(control_, joint_, inertia));
     if (!l.margins.stable) return l;
-    const LoopNorms norms =
-        loop_norms(control_.joints[joint_], {inertia}, control_.sample_rate, control_.samples_of_delay())[0];
-    l.cycle = limit_cycle(l.margins, norms.motion.l1, norms.torque.l1, step_, count_);
+    const LoopNorms norms = loop_norms(control_.joints[joint_], {inertia}, control_.sample_rate,
+                                       control_.samples_of_delay(joint_))[0];
+    set_cycle(l, inertia, norms.motion.l1, norms.torque.l1);
     return l;
   }
 
@@ -91,9 +100,7 @@ class LoopOfJoint {
     LoopAtInertia& l = all_.at(inertia);
     const std::optional<ClosedLoop> loop = closed(loop_of(control_, joint_, inertia));
     l.margins.stable = loop.has_value();
-    if (loop)
-      l.cycle =
-          limit_cycle(l.margins, l1_norm(loop->motion).upper, l1_norm(loop->torque).upper, step_, count_);
+    if (loop) set_cycle(l, inertia, l1_norm(loop->motion).upper, l1_norm(loop->torque).upper);
     return l.margins.stable;
   }
 
@@ -135,9 +142,16 @@ class LoopOfJoint {
   const std::map<double, LoopAtInertia>& all() const { return all_; }
 
  private:
+  void set_cycle(LoopAtInertia& l, double inertia, double motion, double torque) {
+    const LoopReading& reading = control_.joints[joint_].reading;
+    l.cycle = limit_cycle(l.margins, motion, torque, step_, reading, count_, lasting_);
+    if (reading.play > 0)
+      l.cycle.play = play_cycle(loop_of(control_, joint_, inertia), reading.play, reading.behind_play);
+  }
+
   const Control control_;
   std::size_t joint_;
-  double count_, step_;
+  double count_, lasting_, step_;
   std::map<double, LoopAtInertia> all_;
 };
 
@@ -170,6 +184,7 @@ void keep_largest(LimitCycle& c, const LimitCycle& other) {
     c.edge_amplitude = other.edge_amplitude;
     c.frequency = other.frequency;
   }
+  if (other.play && (!c.play || other.play->amplitude > c.play->amplitude)) c.play = other.play;
 }
 
 LoopReport loop_report(const Spec& spec, std::size_t joint, const Eigen::MatrixXd& configurations) {
@@ -202,10 +217,11 @@ WallReport wall_report(const Spec& spec, const Wall& wall, const Eigen::MatrixXd
   WallReport r{wall.name, {infinity, infinity, 0, 0}, infinity, infinity, {}};
   const Transmission& t = spec.model.transmission;
   const Eigen::MatrixXd coupling = t.coupling.dense();
+  const Eigen::VectorXd widths = widths_at_rest(*spec.model.control, resolutions(t));
   for (Eigen::Index c = 0; c < configurations.cols(); ++c) {
     const Eigen::VectorXd q = configurations.col(c);
     const WallLimit limit =
-        wall_limit(*spec.model.control, felt_by(spec.model.chain, wall, q), coupling, resolutions(t));
+        wall_limit(*spec.model.control, felt_by(spec.model.chain, wall, q), coupling, widths);
     r.sampling = std::min(r.sampling, limit.sampling);
     r.quantization = std::min(r.quantization, limit.quantization);
     if (r.at.size() > 0 && limit.stiffness() >= r.limit.stiffness()) continue;
@@ -340,21 +356,26 @@ bool have_one_loop(const Spec& spec, std::size_t a, std::size_t b) {
   return all[a].inertia && close_the_same(all[a], all[b]) && count_of(spec, a) == count_of(spec, b);
 }
 
-/// Effects that delay or multiply readings by which loops are closed, `latency of m`; "" if there are none.
-/// @param joint  of the reading; empty: of any joint
-std::string changes_of_loops(const Spec& spec, std::optional<std::size_t> joint) {
+/// Joints whose readings are delayed or multiplied in a way that is not in the loops: those of a coupled
+/// transmission, and at walls all that are multiplied. "" if there are none.
+/// @param joint  of the loop; empty: of any
+std::string uncounted_readings(const Spec& spec, std::optional<std::size_t> joint, bool of_walls) {
   std::string all;
-  const auto& joints = spec.model.chain.independent;
-  for (const Effect& e : spec.effects) {
-    const auto at = static_cast<std::size_t>(
-        std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == e.joint; }) -
-        joints.begin());
-    if (effect_kind(e.type).changes_loop && has_size(e) && at < joints.size() && (!joint || *joint == at) &&
-        spec.model.control->joints[at].acts())
-      all += (all.empty() ? "" : ", ") + e.type + " of " + e.joint;
+  const Eigen::MatrixXd coupling = spec.model.transmission.coupling.dense();
+  for (std::size_t j = 0; j < spec.model.control->joints.size(); ++j) {
+    const LoopReading& r = spec.model.control->joints[j].reading;
+    const auto at = static_cast<Eigen::Index>(j);
+    const bool alone = (coupling.row(at).array() != 0).count() == 1 &&
+                       (coupling.col(at).array() != 0).count() == 1,
+               concerned = !joint || coupling(static_cast<Eigen::Index>(*joint), at) != 0;
+    if (concerned && ((of_walls && r.factor != 1) || (!alone && (r.factor != 1 || r.delay != 0))))
+      all += (all.empty() ? "" : ", ") + spec.model.chain.independent[j].name;
   }
   return all;
 }
+
+constexpr const char* about_uncounted =
+    "delayed (latency) or multiplied (scale, decoding), which is not counted there";
 
 }  // namespace
 
@@ -365,16 +386,16 @@ void refuse_changed_loops(const Spec& spec) {
   std::vector<Fault> faults;
   for (const Requirement& r : spec.requirements) {
     std::optional<std::size_t> joint;  // of the only loop that the figure depends on
-    if (r.of_control)
-      for (const ControlFigure& f : figures)
-        if (f.name == r.quantity && f.kind != ControlFigure::Kind::wall_stiffness) joint = f.index;
+    bool of_walls = false;
+    for (const ControlFigure& f : figures)
+      if (r.of_control && f.name == r.quantity) {
+        of_walls = f.kind == ControlFigure::Kind::wall_stiffness;
+        if (!of_walls) joint = f.index;
+      }
     if (!r.of_control && !(r.limits_error() && is_closed(signals[r.signal]))) continue;
-    if (const std::string effects = changes_of_loops(spec, joint); !effects.empty())
+    if (const std::string joints = uncounted_readings(spec, joint, of_walls); !joints.empty())
       faults.push_back(
-          {r.place, "requirements",
-           "loops and walls are evaluated without " + effects +
-               ", which delays or multiplies the reading that closes them",
-           quoted(r.quantity),
+          {r.place, "requirements", "readings of " + joints + " are " + about_uncounted, quoted(r.quantity),
            "state a latency as control.delay, a factor in the gains; leave the effect out here"});
   }
   if (!faults.empty()) throw Error(faults);
@@ -466,10 +487,10 @@ std::vector<std::string> control_warnings(const Spec& spec, const ControlReport&
                        " is not closed: its inertia is not known; state 'inertia:'" +
                        (spec.model.tips ? ", as the masses beyond several tips are not added up"
                                         : ", or give the URDF's links their masses"));
-  if (const std::string effects = changes_of_loops(spec, {}); !effects.empty())
-    warnings.push_back("control: loops and walls are evaluated without " + effects +
-                       ", which delays or multiplies the reading that closes them; state a latency as "
-                       "control.delay, a factor in the gains");
+  if (const std::string joints = uncounted_readings(spec, {}, !control.walls.empty()); !joints.empty())
+    warnings.push_back("control: in loops of coupled joints" +
+                       std::string(control.walls.empty() ? "" : " and walls") + " readings of " + joints +
+                       " are " + about_uncounted);
   for (const LoopReport& l : report.loops)
     if (!l.stable)
       warnings.push_back(
@@ -518,13 +539,21 @@ std::string loop_table(const Spec& spec, const ControlReport& report, const Styl
   }
   const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
                                    [](const LoopReport& l) { return l.largest_inertia > l.least_inertia; });
+  std::string of_play;
+  for (const LoopReport& l : report.loops)
+    if (const auto& play = l.cycle.play; l.stable && play)
+      of_play += (of_play.empty() ? "; play is predicted to keep alive: " : ", ") +
+                 shown(spec.model.chain.independent[l.joint].name) + ' ' +
+                 readable(play->amplitude, spec.model.chain.independent[l.joint].prismatic() ? "m" : "rad") +
+                 " at " + hertz(play->frequency);
   return heading(sampled ? "Loops, at the worst inertia between these ends" : "Loops", style) +
          fitted_table(rows, style.width) +
          wrapped(std::string("limit cycle at most: ") +
                      (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
                               : "proven, whatever the motion") +
                      "; predicted: by the describing function of rounding; Coulomb friction above "
-                     "torque.JOINT.worst_case ends one between two counts, where the torque is never larger",
+                     "torque.JOINT.worst_case ends one between two counts, where the torque is never larger" +
+                     of_play,
                  style.width, "  ");
 }
 

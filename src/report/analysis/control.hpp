@@ -60,7 +60,7 @@ inline constexpr std::uint64_t configurations_of_control = 10'000;
 /// @param required_only  without torques, and loops of joints that no requirement of the spec names
 ControlReport control_report(const Spec&, bool required_only = false);
 
-/// Refuses requirements on loops and walls beside effects that change them (`EffectKind::changes_loop`).
+/// Refuses requirements on loops and walls beside effects that change them in a way that is not counted.
 /// @throws Error (input; key `requirements`)
 void refuse_changed_loops(const Spec&);
 

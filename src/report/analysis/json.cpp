@@ -248,14 +248,22 @@ RowsOf<FilteredTip> rows(Of<FilteredTip>) {
           {"noise_in_motion_over_ipqn", noise_over_ipqn, named_numbers_or_null(), "per encoder", optional}};
 }
 
+auto of_play(double PlayCycle::*figure) {
+  return [figure](auto& c) { return c.play ? std::optional(c.play.value().*figure) : std::nullopt; };
+}
+
 RowsOf<LimitCycle> rows(Of<LimitCycle>) {
-  return {{"bound", &LimitCycle::bound, "proven: no lasting motion due to quantization is larger [rad or m]"},
+  return {{"bound", &LimitCycle::bound,
+           "proven: no lasting motion due to quantization and play is larger [rad or m]"},
           {"torque_bound", &LimitCycle::torque_bound, "likewise, of the torque [N m or N]"},
           {"on_count", &LimitCycle::on_count, "one about a count is predicted"},
           {"on_edge", &LimitCycle::on_edge, "one about the edge between two counts is predicted"},
           {"edge_amplitude", &LimitCycle::edge_amplitude, "of the motion predicted there [rad or m]"},
           {"frequency", &LimitCycle::frequency, "predicted [Hz]"},
-          {"torque_step", &LimitCycle::torque_step, "largest torque that follows one count [N m or N]"}};
+          {"torque_step", &LimitCycle::torque_step, "largest torque that follows one count [N m or N]"},
+          {"play_amplitude", of_play(&PlayCycle::amplitude), "of the motion that play keeps alive [rad or m]",
+           optional},
+          {"play_frequency", of_play(&PlayCycle::frequency), "predicted, as its amplitude [Hz]", optional}};
 }
 
 RowsOf<ReportedLoop> rows(Of<ReportedLoop>) {

@@ -46,7 +46,9 @@ void require_limit_of_control(const Requirement& r, const Spec& spec) {
 
 ControlSums::ControlSums(const Spec& spec, std::size_t configurations,
                          std::vector<std::vector<double>> resolutions)
-    : spec_(spec), configurations_(configurations), resolutions_(std::move(resolutions)) {
+    : spec_(spec), configurations_(configurations), widths_(std::move(resolutions)) {
+  for (std::size_t j = 0; spec_.model.control && j < widths_.size(); ++j)
+    for (double& width : widths_[j]) width = 2 * spec_.model.control->joints[j].reading.half_width(width);
   drawn_ = draw(spec_.configurations, 0, configurations_);
   if (any_of_control(spec_)) report_ = control_report(spec_, true);
 }
@@ -136,22 +138,22 @@ ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
   ChoiceFigure figure;
   const double rate = report_->walls[index].sampling;
   figure.sums = {{{}, rate > 0 ? r.limit / rate : never}, {}};
-  for (std::size_t e = 0; e < count; ++e) figure.sums[1].columns.push_back({e, columns[e], resolutions_[e]});
+  for (std::size_t e = 0; e < count; ++e) figure.sums[1].columns.push_back({e, columns[e], widths_[e]});
   return figure;
 }
 
 ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const LoopReport& loop) {
   const Transmission& t = spec_.model.transmission;
   const Eigen::RowVectorXd parts = t.coupling.row(static_cast<Eigen::Index>(loop.joint)).cwiseAbs();
-  const double of_count = loop.cycle.bound / parts.dot(resolutions(t));
+  const double of_width = loop.cycle.bound / parts.dot(widths_at_rest(*spec_.model.control, resolutions(t)));
   ChoiceFigure figure;
   figure.sums = {{}};
   for (Eigen::Index e = 0; e < parts.size(); ++e) {
     if (parts[e] == 0) continue;
     double* const column = new_column();
-    std::fill_n(column, configurations_, of_count * parts[e] / r.limit);
+    std::fill_n(column, configurations_, of_width * parts[e] / r.limit);
     figure.sums[0].columns.push_back(
-        {static_cast<std::size_t>(e), column, resolutions_[static_cast<std::size_t>(e)]});
+        {static_cast<std::size_t>(e), column, widths_[static_cast<std::size_t>(e)]});
   }
   return figure;
 }

@@ -11,7 +11,7 @@ namespace qerr {
 ///
 ///     closed_torque, closed_position   sum ||G_e||_1 h_e, and sum ||G_e||_2^2 v_e, at each configuration
 ///     wall.NAME.stiffness              1/K = max(1/K_rate, sum max_i(|g_i|/(2 f_i)) |g^T C|_e Delta_e)
-///     loop.JOINT.limit_cycle           ||L/(1 + L)||_1/2 sum |C_je| Delta_e
+///     loop.JOINT.limit_cycle           ||L/(1 + L)||_1/2 sum |C_je| Delta_e, or wider with play
 ///     other figures of loops           no encoder changes them
 ///
 /// A figure of a loop or a wall is a ratio that is 1 at the stated limit, and below it where the limit is
@@ -36,7 +36,7 @@ class ControlSums {
   const Spec spec_;
   std::size_t configurations_;
   Eigen::MatrixXd drawn_;
-  std::vector<std::vector<double>> resolutions_;
+  std::vector<std::vector<double>> widths_;  // [joint][option]: see widths_at_rest
   std::optional<ControlReport> report_;
   std::deque<AlignedNumbers> columns_;
 };

@@ -1,0 +1,24 @@
+#pragma once
+
+namespace qerr {
+
+/// What the effects of an encoder make of a reading by which a loop is closed, as far as that loop is not the
+/// loop of a perfect reading with a bounded error beside it.
+struct LoopReading {
+  double delay = 0;   ///< of the reading [s]
+  double factor = 1;  ///< reading over the joint's motion, without rounding
+  double count = 1;   ///< steps of the reading over the encoder's resolution
+  double excess = 0;  ///< half width of an error that lasts at rest, beside half a step [resolutions]
+  double narrowest_state = 1;  ///< [resolutions]
+  double play = 0;             ///< full width [rad or m]
+  bool behind_play = false;    ///< the encoder is on the side that is driven through the play
+
+  bool operator==(const LoopReading&) const = default;
+
+  /// Half width of the error that lasts at rest, of counts, their states and the play [rad or m].
+  double half_width(double resolution) const {
+    return resolution * (0.5 * (count < 0 ? -count : count) + excess) + 0.5 * play;
+  }
+};
+
+}  // namespace qerr
