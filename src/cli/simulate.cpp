@@ -129,7 +129,10 @@ int run(const Values& v) {
   }
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
-  if (estimators) report.estimators = estimator_comparison(spec, options);
+  if (estimators) {
+    report.estimators = estimator_comparison(spec, options);
+    for (std::string& text : estimator_warnings(spec)) report.warnings.push_back(std::move(text));
+  }
   if (log) outputs.write_next([&] { log->close(); });
   outputs.write([&] { finish(out, report, format, style(v)); });
   warn(report.warnings, v);

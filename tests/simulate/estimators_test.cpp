@@ -143,6 +143,21 @@ TEST(VelocityComparison, FindsTheDelayOfAFilter) {
   EXPECT_NEAR(std::hypot(all[0].noise, all[0].tracking), all[0].rms, 0.01 * all[0].rms);
 }
 
+TEST(Estimators, ThatTimeEdgesAreWarnedOfEffectsThatTheyDoNotSee) {
+  const auto warnings = [](const std::string& estimator, const std::string& effect) {
+    return estimator_warnings(parse_spec(
+        turntable("e: {" + estimator + "}", "velocity: 1", "effects: [" + effect + "]\n"), "a.yaml"));
+  };
+  const std::string timed = "kind: edge_timing, clock: 100 kHz",
+                    noise = "{type: noise, joint: j, sigma: 1 mrad}",
+                    disc = "{type: eccentricity, joint: j, amplitude: 1 mrad}";
+  ASSERT_EQ(warnings(timed, noise).size(), 1u);
+  EXPECT_NE(warnings(timed, noise)[0].find("'e'"), std::string::npos);
+  EXPECT_NE(warnings(timed, noise)[0].find("'noise'"), std::string::npos);
+  EXPECT_TRUE(warnings(timed, disc).empty());
+  EXPECT_TRUE(warnings("kind: held_difference", noise).empty());
+}
+
 TEST(Estimators, ThatDoNotExistAreRefusedWithWhatWouldBeRight) {
   EXPECT_NE(
       comparison_refusal(turntable("e: {kind: edge_timin, clock: 1 MHz}", "velocity: 1")).find("edge_timing"),

@@ -36,6 +36,9 @@ SimulationReport simulation_report(const Spec&, const SimulationOptions&);
 /// @throws Error (input; key `estimators` or `motion`) if there is nothing to compare, or too much
 std::vector<EstimatedVelocity> estimator_comparison(const Spec&, const SimulationOptions&);
 
+/// Effects of the spec that estimators which time edges do not see: those behind the disc.
+std::vector<std::string> estimator_warnings(const Spec&);
+
 /// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts
 /// (`measured` if the log has a resolution of its own), the reference, and the effort if the URDF has masses;
 /// the tip. Holds a reference to the spec, which must outlive it.

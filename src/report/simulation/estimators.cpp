@@ -45,6 +45,23 @@ std::vector<EstimatedVelocity> estimator_comparison(const Spec& spec, const Simu
   return compare_velocities(spec.model, filters, spec.estimators, motion, spec.effects, settling, options);
 }
 
+std::vector<std::string> estimator_warnings(const Spec& spec) {
+  std::string timed, unseen;
+  const auto add = [](std::string& to, const std::string& name) {
+    if (to.find(quoted(name)) == std::string::npos) to += (to.empty() ? "" : ", ") + quoted(name);
+  };
+  for (const EstimatorDesign& d : spec.estimators)
+    if (estimator_kind(d.kind).timed) add(timed, d.name);
+  for (const Effect& e : spec.effects)
+    if (const EffectKind& kind = effect_kind(e.type); kind.action && acts_on_robot(kind) && has_size(e) &&
+                                                      kind.stage != Stage::disc && kind.stage != Stage::line)
+      add(unseen, e.type);
+  if (timed.empty() || unseen.empty()) return {};
+  return {"estimators that time edges (" + timed + ") see the motion and the disc alone: " + unseen +
+          " of the spec " + (unseen.find(", ") == std::string::npos ? "is" : "are") +
+          " in the rows of the others, and the ranking favours those that time edges"};
+}
+
 std::string speed_unit(const SimulationReport& r, const EstimatedVelocity& e) {
   return r.spec.model.chain.independent[e.joint].prismatic() ? "m/s" : "rad/s";
 }
