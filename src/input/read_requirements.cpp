@@ -171,6 +171,14 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
     throw Error(f.fault("a quantity names a signal, a coordinate and a bound",
                         "write position.x.worst_case, FILTER.x.sigma or FILTER.delay"));
   const auto [signal, coordinate] = parts_of(before, signals, spec);
+  if (before.starts_with("closed_") && !find(signals, signal)) {
+    const std::string group = before.substr(0, before.find('.') + 1);
+    Words<std::ptrdiff_t>
+        known;  // not among them: those of lengths, and of coordinates that are not analysed
+    for (const std::string& name : signal_names(spec.model))
+      if (name.starts_with(group)) known.emplace_back(name, 0);
+    pick(f, before, "error in the closed loops", known);
+  }
   r.filter = pick(f, signal, "filter", signals);
   r.signal = read_signal(f, coordinate, spec);
   check_passed(f, spec, r);

@@ -198,6 +198,25 @@ TEST_F(ControlSection, PlayAndUnequalStatesLastAtRest) {
   EXPECT_THROW(check(controlled(wall + scale + required)), Error) << "not counted in a wall";
 }
 
+TEST_F(ControlSection, ATipOfSeveralMovesAsTheOnlyOne) {
+  const std::string
+      robot = "robot: {urdf: arm.urdf, ",
+      rest =
+          "encoders: {'*': {resolution: 1 mrad}}\n"
+          "control: {sample_rate: 1 kHz, joints: {'*': {kp: 400, kd: 0, inertia: 0.6, damping: 20}}}\n"
+          "configurations: {method: list, points: [[0.3, 0.7]]}\n";
+  const auto largest = [&](const std::string& tip, const std::string& signal) {
+    return required(parse_spec("qerr: 1\n" + robot + tip + "}\n" + rest +
+                                   "requirements: [{quantity: closed_position." + signal +
+                                   ".worst_case, statistic: max, at_most: 1}]\n",
+                               (folder_ / "tips.yaml").string()));
+  };
+  for (const char* axis : {"x", "y"})
+    EXPECT_DOUBLE_EQ(largest("tips: {hand: c, elbow: b}", std::string("hand.") + axis),
+                     largest("tip: c", axis));
+  EXPECT_THROW(largest("tip: c", "xyz"), Error);
+}
+
 TEST_F(ControlSection, AWallThatNoJointFeelsIsNoRequirement) {
   const std::string required = "requirements: [{quantity: wall.w.stiffness, at_least: 1}]\n";
   EXPECT_TRUE(check(controlled("walls: {w: {normal: [1, 0, 0]}}\n" + required)).all_met());

@@ -16,17 +16,31 @@ std::vector<Coordinate> moved_coordinates(const OperationalModel& m) {
   return all;
 }
 
+/// The analysed coordinates of several tips.
+std::vector<Signal> analysed_coordinates_of_tips(const OperationalModel& m) {
+  std::vector<Signal> all;
+  for (const Signal& s : m.signals)
+    if (s.kind->of_chain) all.push_back(s);
+  return all;
+}
+
 std::vector<Signal> positions(const OperationalModel& m) {
   std::vector<Signal> all = loop_signals(m, "closed_position.", false);
   if (all.size() != m.chain.independent.size()) return all;  // a joint without a loop moves the tip, too
   for (const Coordinate c : moved_coordinates(m))
     all.push_back({"closed_position." + std::string(info(c).name), std::string(info(c).unit)});
+  for (const Signal& s : analysed_coordinates_of_tips(m))
+    all.push_back({"closed_position." + s.name, s.unit});
   return all;
 }
 
 Eigen::RowVectorXd row_of(const OperationalModel& m, std::size_t index, const Eigen::VectorXd& q) {
   const std::size_t joints = looped_joints(m).size();
   if (index < joints) return joint_row(m, index, q);
+  if (m.tips) {
+    const Signal s = analysed_coordinates_of_tips(m)[index - joints];
+    return s.kind->row(m, s.index, q);
+  }
   Eigen::Isometry3d pose;
   const Jacobian j = joint_jacobian(m.chain, q, &pose);
   const Coordinate c = moved_coordinates(m)[index - joints];
