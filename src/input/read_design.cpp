@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "control/figures.hpp"
 #include "input/design_sections.hpp"
 #include "input/spec_format.hpp"
 
@@ -16,6 +17,12 @@ void read_goal(const Object& o, const Spec& spec, DesignRequest& request) {
       throw Error(o.at("minimize")
                       .fault("is nothing that can be minimized",
                              "write price, resolution, or a quantity such as position.x.sigma"));
+    if (spec.model.control)
+      for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
+        if (f.name == goal && f.kind != ControlFigure::Kind::limit_cycle)
+          throw Error(
+              o.at("minimize")
+                  .fault("is the better the larger it is", "require at_least of it, and minimize the price"));
     request.minimize = DesignRequest::Minimize::figure;
     request.figure =
         figure_entry(o.at("minimize"), o.has("statistic") ? o.at("statistic").node : nullptr, spec);
@@ -41,7 +48,8 @@ Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec
   const std::string text = read_text_value(quantity);
   const Place place = quantity.node->place;
   const std::size_t point = text.rfind('.');
-  const bool alone = text.starts_with("encoder.") ||
+  const bool alone = text.starts_with("encoder.") || text.starts_with("loop.") || text.starts_with("wall.") ||
+                     text.starts_with("control.") ||
                      (point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
                       std::any_of(spec.filters.begin(), spec.filters.end(), [&](const NamedFilter& f) {
                         return f.name == text.substr(0, point);

@@ -182,11 +182,11 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
                  [&](const Field& f) { read_effects(f, *r.robot_, r.spec_, r.faults_); });
        }},
       {{},
-       {"control", "walls", "effects", "encoders"},
+       {"control", "walls", "coordinates", "frame", "filters", "requirements", "effects", "encoders"},
        [](Spec&) {},
        [](SpecReader& r, const Object& top) {
-         if (!r.faults_.any() && r.spec_.model.control)
-           section(top, "control", r.faults_, [&](const Field& f) { add_loop_readings(f, r.spec_); });
+         if (!r.faults_.any() && r.spec_.model.control)  // whose section may not be among those read again
+           r.faults_.guard([&] { add_loop_readings({top.self().node, "control"}, r.spec_); });
        }},
       {{"sweep"},
        {},

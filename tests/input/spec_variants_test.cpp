@@ -21,7 +21,8 @@ std::string text(const std::string& more = "") {
          "50 Hz}}}\n"
          "configurations: {count: 40, limits: {wrist: [-180 deg, 180 deg]}}\n"
          "requirements: [{quantity: position.xyz.sigma, statistic: max, at_most: 1 mm}]\n"
-         "effects: [{type: backlash, joint: elbow, gap: 1 mrad}]\n" +
+         "effects: [{type: backlash, joint: elbow, gap: 1 mrad}]\n"
+         "control: {joints: {elbow: {kp: 100, kd: 1, velocity: velocity, inertia: 0.1, damping: 0.1}}}\n" +
          more;
 }
 
@@ -51,10 +52,11 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Set{}, Set{{"encoders.elbow.counts_per_rev", "8192"}}, Set{{"encoders.*.gear_ratio", "-20"}},
         Set{{"encoders.wrist", "{bits: 17, accuracy: 20 arcsec}"}, {"encoders.*.counts_per_rev", "1000"}},
-        Set{{"filters.velocity.lowpass.cutoff", "20 Hz"}}, Set{{"filters.velocity.derivative", "2"}},
+        Set{{"filters.velocity.lowpass.cutoff", "20 Hz"}}, Set{{"filters.velocity.sample_rate", "2 kHz"}},
         Set{{"frame", "tip"}}, Set{{"coordinates", "[rx]"}},
         Set{{"requirements", "[{quantity: velocity.rxyz.sigma, statistic: p99, at_most: 1 rad/s}]"}},
         Set{{"effects[0].gap", "2 mrad"}}, Set{{"effects", "[]"}},
+        Set{{"effects", "[{type: scale, joint: elbow, scale: 0.1}]"}}, Set{{"control.delay", "2 ms"}},
         Set{{"configurations.count", "17"}, {"configurations.seed", "5"}},
         Set{{"robot.tool", "{xyz: [0, 0, 100 mm]}"}},
         Set{{"motion", "{sample_rate: 1 kHz, duration: 1 s, joints: {elbow: {velocity: 0.1 rad/s}}}"}},
@@ -70,14 +72,15 @@ TEST(SpecVariants, AChangeBehindThatOfItsWholeMappingRefinesIt) {
   struct Refined {
     std::string map, before, key, value, after;
   };
-  for (const Refined& r : {Refined{"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}",
-                                   "count", "20", "{method: random, count: 20, limits: {wrist: [-1, 1]}}"},
-                           {"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}", "seed",
-                            "7", "{method: random, count: 10, seed: 7, limits: {wrist: [-1, 1]}}"},
-                           {"filters", "{v: {derivative: 1, sample_rate: 1 kHz}}", "v.sample_rate", "2 kHz",
-                            "{v: {derivative: 1, sample_rate: 2 kHz}}"},
-                           {"encoders", "{'*': {bits: 12}, lift: {resolution: 1 mm}}", "elbow.bits", "9",
-                            "{'*': {bits: 12}, elbow: {bits: 9}, lift: {resolution: 1 mm}}"}}) {
+  for (const Refined& r :
+       {Refined{"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}", "count", "20",
+                "{method: random, count: 20, limits: {wrist: [-1, 1]}}"},
+        {"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}", "seed", "7",
+         "{method: random, count: 10, seed: 7, limits: {wrist: [-1, 1]}}"},
+        {"filters", "{velocity: {derivative: 1, sample_rate: 1 kHz}}", "velocity.sample_rate", "2 kHz",
+         "{velocity: {derivative: 1, sample_rate: 2 kHz}}"},
+        {"encoders", "{'*': {bits: 12}, lift: {resolution: 1 mm}}", "elbow.bits", "9",
+         "{'*': {bits: 12}, elbow: {bits: 9}, lift: {resolution: 1 mm}}"}}) {
     const Set both{{r.map, r.before}, {r.map + '.' + r.key, r.value}};
     const auto figures = [](Spec spec) {
       spec.overrides.clear();

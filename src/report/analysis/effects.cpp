@@ -307,9 +307,11 @@ std::string warning_of_limits(const Spec& spec, const std::vector<EffectShare>& 
 
 void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
   const std::vector<std::string> unknown = effect_warnings(spec, shares);
-  if (spec.requirements.empty() || unknown.empty()) return;
-  throw Error(
-      {spec.requirements.front().place, "requirements", "cannot be decided: " + unknown.front(), "", ""});
+  const auto of_error = std::find_if(spec.requirements.begin(), spec.requirements.end(),
+                                     [](const Requirement& r) { return r.limits_error(); });
+  if (of_error == spec.requirements.end() || unknown.empty()) return;
+  throw Error({of_error->place, "requirements",
+               quoted(of_error->quantity) + " cannot be decided: " + unknown.front(), "", ""});
 }
 
 std::string effect_unit(const Spec& spec, const EffectShare& s) {

@@ -48,8 +48,8 @@ std::vector<std::string> effect_warnings(const Spec&, const std::vector<EffectSh
 /// Of loads that are the URDF's effort limits although it has masses; "" if there are none.
 std::string warning_of_limits(const Spec&, const std::vector<EffectShare>&);
 
-/// @throws Error (input; key `requirements`) if there are requirements and an effect of unknown size, as
-/// they cannot be decided then
+/// @throws Error (input; key `requirements`) if there are requirements on errors and an effect of unknown
+/// size, as they cannot be decided then
 void require_known(const Spec&, const std::vector<EffectShare>&);
 
 /// Unit of the error that an effect adds: that of its joint, or metres if it displaces an origin.
