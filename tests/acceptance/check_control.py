@@ -482,7 +482,7 @@ def read_loop(case, reading, starts, offsets, speeds, count):
 
 def check_effects(t, qerr, folder, count, seed):
     """Effects that change a loop: the loop as the program states it is that of a simulation by the effect's definition."""
-    done, kinds, reached, play = 0, set(), 0.0, Worst(0.25)
+    done, kinds, reached, play = 0, set(), 0.0, Worst(0.4)
     for i in range(100 * count):
         rng = random.Random(f"effects {seed} {i}")
         case = Single(rng)
