@@ -226,14 +226,16 @@ Eigen::MatrixXd variance_parts(const ColumnStatistics& columns, const Operationa
 
 }  // namespace
 
-bool have_columns(const OperationalModel& model, const Configurations& configurations) {
+bool have_columns(const OperationalModel& model, const Configurations& configurations,
+                  const WantedStatistics& wanted) {
   const std::uint64_t count = size(configurations);
   const bool euler = std::any_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
   const bool biased =
       !mean_errors(model.transmission).isZero(0) ||
       std::any_of(model.sources.begin(), model.sources.end(), [](const auto& s) { return s.mean != 0; });
-  return count >= ColumnStatistics::fewest_configurations && count <= exact_percentiles_limit && !euler &&
-         !biased && model.lengths.empty() && model.signals.empty();
+  return count >= ColumnStatistics::fewest_configurations &&
+         (wanted.percentiles.empty() || count <= exact_percentiles_limit) && !euler && !biased &&
+         model.lengths.empty() && model.signals.empty();
 }
 
 std::vector<Workspace> workspaces(const ColumnStatistics& columns, std::span<const ColumnModel> models) {

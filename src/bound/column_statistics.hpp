@@ -95,9 +95,10 @@ struct ColumnModel {
   ErrorWeights weights;
 };
 
-/// Whether ErrorColumns give a model's figures over these configurations as `workspace` does: percentiles are
-/// exact, no error has a mean, and there are no lengths, no signals of other kinds and no Euler angles.
-bool have_columns(const OperationalModel&, const Configurations&);
+/// Whether ErrorColumns give a model's figures over these configurations as `workspace` does: percentiles, if
+/// any are wanted, are exact, no error has a mean, and there are no lengths, no signals of other kinds and no
+/// Euler angles.
+bool have_columns(const OperationalModel&, const Configurations&, const WantedStatistics&);
 
 /// The statistics of `workspace` for models that share their columns, as far as reports of a sweep have them:
 /// coordinates without shares, derivatives and the encoders' parts of the mean variance. They equal those of

@@ -102,7 +102,7 @@ TEST(ColumnStatistics, EqualsTheWorkspaceOfEveryModel) {
     const std::size_t filters = dice.below(3);
     const OperationalModel base = unbiased_model(dice, filters);
     const Configurations configurations = random_configurations(dice, base.transmission.encoders.size());
-    ASSERT_TRUE(have_columns(base, configurations));
+    ASSERT_TRUE(have_columns(base, configurations, WantedStatistics::of(all_kinds())));
     std::vector<Norms> all;
     for (std::size_t f = 0; f < filters; ++f)
       all.push_back(norms(difference_filter(1000, 1 + static_cast<int>(f))));
@@ -155,18 +155,23 @@ TEST(ColumnStatistics, AreNotForBiasedErrorsEulerAnglesAndFewConfigurations) {
   model.sources.clear();
   Configurations configurations{.count = 5000, .ranges = {}};
   configurations.ranges.assign(model.transmission.encoders.size(), {-1, 1});
-  EXPECT_TRUE(have_columns(model, configurations));
+  const WantedStatistics all = WantedStatistics::of(all_kinds()),
+                         largest = WantedStatistics::of({find_statistic("max")});
+  EXPECT_TRUE(have_columns(model, configurations, all));
   OperationalModel biased = model;
   biased.transmission.encoders[0].rounding = Rounding::down;
-  EXPECT_FALSE(have_columns(biased, configurations));
+  EXPECT_FALSE(have_columns(biased, configurations, all));
   OperationalModel euler = model;
   euler.coordinates.push_back(Coordinate::yaw);
-  EXPECT_FALSE(have_columns(euler, configurations));
+  EXPECT_FALSE(have_columns(euler, configurations, all));
   OperationalModel length = model;
   length.lengths = {Coordinate::xyz};
-  EXPECT_FALSE(have_columns(length, configurations));
+  EXPECT_FALSE(have_columns(length, configurations, all));
   configurations.count = 1000;
-  EXPECT_FALSE(have_columns(model, configurations));
+  EXPECT_FALSE(have_columns(model, configurations, all));
+  configurations.count = 2 * exact_percentiles_limit;
+  EXPECT_FALSE(have_columns(model, configurations, all)) << "of which `workspace` has no exact percentiles";
+  EXPECT_TRUE(have_columns(model, configurations, largest));
 }
 
 }  // namespace

@@ -99,9 +99,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
     const double numbers = static_cast<double>(size(spec->configurations)) *
                            static_cast<double>(spec->model.coordinates.size()) *
                            static_cast<double>(spec->model.transmission.encoders.size() + places.size());
-    const std::uint64_t count = size(spec->configurations);
-    if (count < ColumnStatistics::fewest_configurations || count > exact_percentiles_limit ||
-        numbers * memory_of_number > most_memory || !have_columns(spec->model, spec->configurations))
+    if (numbers * memory_of_number > most_memory || !have_columns(spec->model, spec->configurations, wanted_))
       break;
     result->columns = std::make_unique<ErrorColumns>(spec->model, places, spec->configurations, threads_);
     result->statistics = std::make_unique<ColumnStatistics>(*result->columns, wanted_, threads_);
@@ -158,7 +156,7 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
     Waiting waiting;
     for (std::size_t i = begin; i < end; ++i) {
       const auto with_columns = [&](const Analysis& a) {
-        if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations)) return false;
+        if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations, wanted_)) return false;
         return std::all_of(a.spec.model.sources.begin(), a.spec.model.sources.end(),
                            [&](const IndependentError& s) { return columns->columns->has_column(s); });
       };
