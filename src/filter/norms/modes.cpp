@@ -171,6 +171,15 @@ Poles poles(const Filter& filter) {
   Poles result;
   double factor = 1;
   for (const Section& s : filter.sections) factor *= 1 + add_section(result.list, s);
+  // A pole z that is 0 but for rounding, as of a delay in a loop, is 0: 1/(1 - z q) is 1 within 2 |z|. The
+  // coefficient of its mode would be a quotient of rounding errors.
+  constexpr double rounding = 0x1p-90;
+  for (Pole& p : result.list) {
+    const double modulus = std::sqrt(static_cast<double>(norm(p.z())));
+    if (!p.real() || modulus > rounding) continue;
+    p.w = ComplexDoubleDouble(-1.0);
+    factor *= 1 + 2 * p.multiplicity * modulus;
+  }
   result.change = (factor - 1) * (1 + 0x1p-20) + 0x1p-90;
   return result;
 }
