@@ -14,6 +14,7 @@ import tempfile
 import xml.etree.ElementTree as Xml
 
 from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, page
+from pages import embedded
 from tool import program_and_tally, run
 
 AXIS = """<robot name="axis"><link name="base"/><link name="disc"/><joint name="{name}" type="revolute"><parent link="base"/>
@@ -79,7 +80,8 @@ def check_curve(t, name, lines, curve, observed):
 def check_causes(t, name, root, report):
     drawn = figures(root)
     titles = [h.text for h in root.iter(HTML + "h3")]
-    bars = {g.get("data-name"): g for f in root.iter(HTML + "figure") for g in f.iter(SVG + "g") if g.get("data-name")}
+    t.check(f"{name}: the page has the report's JSON", embedded(root) == report)
+    rows = [tuple("".join(c.itertext()) for c in r) for r in root.iter(HTML + "tr")]
     for cause in report["causes"]:
         title = next((text for text in titles if text.startswith(cause["effect"]) and text.endswith(cause["joint"])), None)
         if not t.check(f"{name}: {cause['effect']} has its part", title is not None, str(titles)):
@@ -88,15 +90,9 @@ def check_causes(t, name, root, report):
             check_curve(t, f"{name}: {title}", drawn_lines(drawn[f"Residual without {title}, and its fit"]), cause["curve"],
                         "residual without this")
         for p in cause["parameters"]:
-            fitted = p["lower"] is not None and p["lower"] < p["upper"]
-            bar = bars.get(f"{title}, {p['name']}")
-            if p["name"] == "phase" or not fitted:
-                t.check(f"{name}: no size of {title}, {p['name']}", bar is None)
-                continue
-            error = next(bar.iter(SVG + "path"))
-            ends = sorted(abs(p[k]) for k in ("lower", "upper"))
-            found = [float(bar.get("data-value")), float(error.get("data-from")), float(error.get("data-to"))]
-            t.check(f"{name}: {title}, {p['name']} as in JSON", found == [abs(p["value"]), *ends], f"{found} for {p}")
+            row = next((r for r in rows if r[:2] == (title, p["name"])), None)
+            sure = "< 1e-15" if cause["p_value"] < 1e-15 else f"{cause['p_value']:.2g}"
+            t.check(f"{name}: {title}, {p['name']} in the table, and how sure it is", row is not None and float(row[3].replace("< ", "")) == float(sure.replace("< ", "")), str(row))
 
 
 def check_extremes(t, name, points, pairs):
@@ -268,7 +264,7 @@ def check_remainder(t, qerr, folder):
     t.check("step: every curve is drawn", len(shown) == len(curves))
     for u, lines in zip(curves, shown):
         check_curve(t, "step", lines, u["curve"], "residual without this" if u["curve"]["fit"] else "residual")
-    t.check("step: what to do next", any(h.text == "What to do next" for h in root.iter(HTML + "h3")))
+    t.check("step: what to do next", any(h.text == "What to record next" for h in root.iter(HTML + "h2")))
 
 
 def check_without_pictures(t, qerr, folder):

@@ -12,6 +12,7 @@ import tempfile
 
 from check_diagnosis_page import drawn_lines, rows, six
 from check_pages import CONFIGS, HTML, SVG, figures, page
+from pages import embedded
 from tool import program_and_tally, run
 
 TABLE = """qerr: 1
@@ -32,6 +33,7 @@ def bars(figure):
 
 
 def check_prediction(t, name, root, report):
+    t.check(f"{name}: the page has the report's JSON", embedded(root) == report)
     sigma = bars(figures(root)["Simulated sigma over IPQN along the path"])
     peak = bars(figures(root)["Peak over worst case along the path"])
     for r in report["results"]:

@@ -1,6 +1,7 @@
 """Reads pages: their figures, lines, marks and pictures, and what a browser makes of them."""
 import base64
 import html
+import json
 import os
 import pathlib
 import re
@@ -33,6 +34,23 @@ def line(figure, series):
 def axis_titles(figure):
     labels = {text.get("class"): text.text for text in figure.iter(SVG + "text")}
     return labels["label mid"], labels["label"]
+
+
+def embedded(root):
+    """The command's JSON, which scripts read from the page."""
+    return json.loads(next(s.text for s in root.iter(HTML + "script") if s.get("id") == "report"))
+
+
+def bar_cells(root, table=None):
+    """Values and texts of the table cells with a bar."""
+    return [(float(c.get("data-value")), "".join(c.itertext())) for x in root.iter(HTML + "table") if table in (None, x.get("class"))
+            for c in x.iter(HTML + "td") if c.get("data-value")]
+
+
+def text_of(root):
+    """The words that a reader sees, without scripts and the style sheet."""
+    hidden = {id(x) for name in ("script", "style", "title") for x in root.iter(HTML + name)}
+    return " ".join(" ".join(t for x in root.iter() if id(x) not in hidden for t in (x.text or "", x.tail or "")).split())
 
 
 def close(found, wanted, tolerance=1e-5):

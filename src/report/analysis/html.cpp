@@ -49,13 +49,14 @@ std::string requirement_sentence(const Spec& spec, const std::vector<Requirement
   std::size_t i = 0;
   for (std::size_t k = results.size(); k-- > 0;)
     if (!results[k].met) i = k;
-  const std::string kept = margin_text(spec.requirements[i], results[i]);
+  std::string kept = margin_text(spec.requirements[i], results[i]);
+  if (!kept.empty())
+    kept = kept[0] == '-' ? ", beyond its limit by " + kept.substr(1) : ", a margin of " + kept;
   return "; " + page::isolated(limited(spec.requirements[i])) + " is " +
          (results[i].met         ? "met"
           : results[i].undecided ? "not proven"
                                  : "not met") +
-         " with " + readable(results[i].value, spec.requirements[i].unit) +
-         (kept.empty() ? "" : ", a margin of " + kept);
+         " with " + readable(results[i].value, spec.requirements[i].unit) + kept;
 }
 
 /// The error of the tip, the first requirement, and the encoder to improve.
@@ -64,9 +65,10 @@ std::string answer(const Analysis& a, const std::optional<std::vector<Requiremen
   const std::vector<double> budget = encoder_budget(a);
   const auto largest = std::max_element(budget.begin(), budget.end());
   if (largest != budget.end() && *largest > 0)
-    text += "; the largest share of the variance, " + percent(*largest) + ", is due to encoder " +
+    text += "; the first encoder to upgrade is that of " +
             page::isolated(
-                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name);
+                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name) +
+            ", with " + percent(*largest) + " of the variance";
   return text + '.';
 }
 
@@ -98,7 +100,7 @@ std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
 
 }  // namespace
 
-std::string to_html(const Analysis& a, const Style&) {
+page::Page page_of(const Analysis& a) {
   const ConfigurationSample sample = configuration_sample(a);
   const auto results = verdicts_of(a);
   page::Page page{
@@ -111,7 +113,7 @@ std::string to_html(const Analysis& a, const Style&) {
        {"All figures", summary(a)}},
       a.warnings};
   describe(page, a.spec, results);
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

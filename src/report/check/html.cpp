@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text.hpp"
+#include "qerr/report/write.hpp"
 #include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
+#include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/prose.hpp"
 #include "report/text_table.hpp"
@@ -15,10 +17,6 @@
 namespace qerr {
 
 namespace {
-
-std::string word_of(const RequirementResult& r) {
-  return r.met ? "met" : r.undecided ? "not proven" : "NOT MET";
-}
 
 std::string title_of(const CheckReport& report) {
   const std::size_t count = report.specs.size() + report.broken.size();
@@ -51,21 +49,6 @@ std::string answer_of(const CheckReport& report) {
   if (worse > 0) text += "; " + counted(worse, "figure") + " worse than in the baseline";
   if (!report.broken.empty()) text += "; " + counted(report.broken.size(), "spec") + " cannot be checked";
   return text + '.';
-}
-
-std::string results_of(const SpecCheck& check) {
-  const Spec& spec = check.analysis.spec;
-  std::vector<std::vector<std::string>> rows;
-  for (std::size_t i = 0; i < check.results.size(); ++i) {
-    const Requirement& r = spec.requirements[i];
-    const RequirementResult& result = check.results[i];
-    const bool located = !r.at_least && result.at_max.size() > 0;
-    rows.push_back({limited(r), word_of(result), readable(result.value, r.unit), margin_text(r, result),
-                    located ? largest_place(check.analysis, result.at_max) : ""});
-  }
-  const page::Bars bars = page::use_of_limits(spec.requirements, check.results);
-  return (bars.bars.size() == 1 ? "" : page::side_by_side(figure(bars))) +
-         page::isolated_table({"requirement", "verdict", "value", "margin", "configuration"}, rows);
 }
 
 std::string baseline_of_page(const BaselineCheck& b) {
@@ -111,26 +94,66 @@ std::string fleet_table(const CheckReport& report) {
   return page::isolated_table(heads, cells);
 }
 
+/// What all specs of a fleet have in common.
+std::string fleet_block(const CheckReport& report) {
+  std::string set;
+  if (!report.specs.empty())
+    for (const auto& [key, value] : report.specs.front().analysis.spec.overrides)
+      set += (set.empty() ? "" : ", ") + key + '=' + value;
+  return "<div class=\"head\"><dl class=\"about\"><dt>Specs</dt><dd>" +
+         std::to_string(report.specs.size() + report.broken.size()) + "</dd><dt>Changed by --set</dt><dd>" +
+         page::escaped_markup(set.empty() ? "nothing" : escaped(set, 300)) +
+         "</dd><dt>Computed by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
+}
+
+/// Each warning once, with the specs that it concerns.
+std::vector<std::string> shared_warnings(const CheckReport& report) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  for (const SpecCheck& check : report.specs)
+    for (const std::string& warning : check.analysis.warnings) {
+      auto at = std::find_if(all.begin(), all.end(), [&](const auto& w) { return w.first == warning; });
+      if (at == all.end()) at = all.insert(at, {warning, {}});
+      const std::string& file = check.analysis.spec.file;
+      if (std::find(at->second.begin(), at->second.end(), file) == at->second.end())
+        at->second.push_back(file);
+    }
+  std::vector<std::string> texts;
+  for (const auto& [warning, files] : all) {
+    std::string of;
+    if (files.size() > 1 && files.size() == report.specs.size()) {
+      texts.push_back("all specs: " + warning);
+      continue;
+    }
+    for (const std::string& file : files) of += (of.empty() ? "" : ", ") + file;
+    texts.push_back(of + ": " + warning);
+  }
+  return texts;
+}
+
 }  // namespace
 
-std::string to_html(const CheckReport& report, const Style&) {
+page::Page page_of(const CheckReport& report) {
   page::Page page{title_of(report), answer_of(report), {}};
   const bool fleet = report.specs.size() + report.broken.size() > 1;
-  if (fleet) page.sections.push_back({"All specs", fleet_table(report)});
+  if (fleet) {
+    page.about = fleet_block(report);
+    page.sections.push_back({"All specs", fleet_table(report)});
+    page.warnings = shared_warnings(report);
+  } else {
+    const SpecCheck& only = report.specs.front();
+    describe(page, only.analysis.spec, only.results);
+    page.warnings = only.analysis.warnings;
+  }
   for (const BrokenSpec& b : report.broken)
     page.sections.push_back(
         {shown(b.file), page::paragraph("It cannot be checked: " + std::string(b.error.what()))});
   for (const SpecCheck& check : report.specs) {
     const Spec& spec = check.analysis.spec;
-    page.sections.push_back({fleet ? shown(spec.file) : "Requirements",
-                             results_of(check) + (check.baseline ? baseline_of_page(*check.baseline) : "")});
-    for (const std::string& warning : check.analysis.warnings)
-      if (const std::string text = fleet ? spec.file + ": " + warning : warning;
-          std::find(page.warnings.begin(), page.warnings.end(), text) == page.warnings.end())
-        page.warnings.push_back(text);
+    const std::string body = (fleet ? page::title_block(spec, check.results) : "") +
+                             (check.baseline ? baseline_of_page(*check.baseline) : "");
+    if (!body.empty()) page.sections.push_back({fleet ? shown(spec.file) : "Baseline", body});
   }
-  if (!fleet) page::describe(page, report.specs.front().analysis.spec, report.specs.front().results);
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

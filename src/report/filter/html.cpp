@@ -171,7 +171,7 @@ std::string answer(const FilterReport& r) {
 
 }  // namespace
 
-std::string to_html(const FilterReport& r, const Style&) {
+page::Page page_of(const FilterReport& r) {
   using Choices = std::vector<std::pair<std::string, std::string>>;
   Choices filters;
   const std::size_t count = r.filters.size();
@@ -187,7 +187,7 @@ std::string to_html(const FilterReport& r, const Style&) {
                    {"Cut-off and responses", page::choice("Filter", filters)}},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

@@ -1,8 +1,24 @@
 #include "report/page/page.hpp"
 
+#include <algorithm>
+
+#include "core/text.hpp"
 #include "report/page/markup.hpp"
 
 namespace qerr::page {
+
+std::string json_script(std::string json, const std::string& attributes) {
+  for (std::size_t i = 0; (i = json.find_first_of("<>&", i)) != std::string::npos;)
+    json.replace(i, 1, json[i] == '<' ? "\\u003c" : json[i] == '>' ? "\\u003e" : "\\u0026");
+  return "<script type=\"application/json\"" + attributes + '>' + json + "</script>";
+}
+
+std::string bar_cell(const std::string& text, double part, double value, int colour) {
+  return "<td class=\"use " + (part > 1 ? "over" : 's' + std::to_string(colour)) + '"' +
+         data_attribute("data-value", value) +
+         " style=\"--p:" + significant(100 * std::clamp(part, 0.0, 1.0), 4) + "%\">" + escaped_markup(text) +
+         "</td>";
+}
 
 std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
   std::string out = "<div class=\"wide\"><table><thead><tr>";
@@ -47,6 +63,7 @@ std::string markup(const Page& page) {
   if (!page.spec_text.empty())
     out += "<details><summary>Spec " + name_markup(page.spec_file) + "</summary><pre>" +
            escaped_markup(page.spec_text) + "</pre></details>\n";
+  if (!page.report.empty()) out += json_script(page.report, " id=\"report\"");
   return out + "</main><script>//<![CDATA[\n" + std::string(script) + "//]]></script></body></html>\n";
 }
 

@@ -145,7 +145,7 @@ std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
 
 }  // namespace
 
-std::string to_html(const SimulationReport& r, const Style&) {
+page::Page page_of(const SimulationReport& r) {
   page::Page page{"Simulation of " + r.spec.robot_name,
                   r.cutoffs ? cutoff_answer(r) : simulation_answer(r),
                   {},
@@ -159,7 +159,7 @@ std::string to_html(const SimulationReport& r, const Style&) {
                       ", the first " + std::to_string(r.simulation.settling) + " discarded."));
   if (r.cutoffs) {
     add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
-    return markup(page);
+    return page;
   }
   if (!r.estimators.empty()) {
     page.answer = "Along the motion estimator " + page::isolated(r.estimators.front().estimator) +
@@ -167,7 +167,7 @@ std::string to_html(const SimulationReport& r, const Style&) {
                   page::isolated(r.spec.model.chain.independent[r.estimators.front().joint].name) + ", " +
                   readable(r.estimators.front().rms, speed_unit(r, r.estimators.front())) + " rms.";
     add("Velocity estimators", estimator_figures(r));
-    return markup(page);
+    return page;
   }
   add("Simulation and theory", prediction_figures(r) + deviation_list(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
@@ -176,7 +176,7 @@ std::string to_html(const SimulationReport& r, const Style&) {
   if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())
     page.sections.insert(page.sections.begin() + signals,
                          {"Errors in time, and their spectrum", std::move(figures)});
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

@@ -47,6 +47,10 @@ std::string SweepPage::answer() const {
   if (judged_ > 0)
     text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
            (met_ == 1 ? " meets" : " meet") + " all requirements";
+  if (best_ && !limits_vary_ && grid_.count() > 1)
+    text += "; variant " + std::to_string(best_->variant) + " wins, with " +
+            page::isolated(short_description(grid_, best_->variant)) + ": it takes " + percent(best_->value) +
+            " of its tightest limit";
   // The first figure that varies says most.
   std::size_t i = 0;
   while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
@@ -198,6 +202,7 @@ std::string SweepPage::table() const {
       cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
     }
     if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
+    if (judged_ > 0 && best_ && !limits_vary_ && variant == best_->variant) cells.back() += ", wins";
     for (const std::string& cell : cells) bytes += cell.size() + 20;
     if (bytes > most_bytes) break;
     rows.push_back(std::move(cells));

@@ -198,12 +198,7 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
                   {"encoders", names}, {"poses", all},
                   {"factor", factor},  {"colours", colours},
                   {"of", sample.of}};
-  std::string text = data.line();
-  // Neither markup nor the end of the CDATA section can begin in it.
-  for (std::size_t i = 0; (i = text.find_first_of("<>&", i)) != std::string::npos;)
-    text.replace(i, 1, text[i] == '<' ? "\\u003c" : text[i] == '>' ? "\\u003e" : "\\u0026");
-  return "<div class=\"scene\" hidden=\"hidden\"><script type=\"application/json\">" + text +
-         "</script></div>\n";
+  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(data.line()) + "</div>\n";
 }
 
 }  // namespace
