@@ -3,6 +3,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/about.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/page/pictures.hpp"
 #include "report/analysis/requirements.hpp"
@@ -90,6 +91,22 @@ std::string summary(const Analysis& a) {
   return page::table({"quantity", "median", "p95", "p99", "max", "proven maximum"}, rows);
 }
 
+/// Torques, loops and walls of a spec with controllers; "" without.
+std::string control_part(const Analysis& a) {
+  std::string out;
+  if (a.control)
+    for (ControlTable& table : control_tables(a.spec, *a.control)) {
+      if (!table.rows.empty()) {
+        std::vector<std::string> header = table.rows.front();
+        header.front() = "name";
+        table.rows.erase(table.rows.begin());
+        out += page::subtitle(table.title) + page::isolated_table(header, table.rows);
+      }
+      for (const std::string& note : table.notes) out += page::paragraph(note + '.');
+    }
+  return out;
+}
+
 std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
   try {
     return requirement_results(a);
@@ -112,6 +129,8 @@ page::Page page_of(const Analysis& a) {
        {"Error over the workspace", workspace_figures(a, sample)},
        {"All figures", summary(a)}},
       a.warnings};
+  if (std::string control = control_part(a); !control.empty())
+    page.sections.insert(page.sections.begin() + 1, {"Torques, loops and walls", std::move(control)});
   describe(page, a.spec, results);
   return page;
 }

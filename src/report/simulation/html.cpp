@@ -4,6 +4,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/about.hpp"
+#include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
@@ -143,6 +144,14 @@ std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
   return out + page::choice("Signal", all);
 }
 
+/// What the simulated robot has beyond quantization: `backlash of a4: gap 200 urad`.
+std::vector<std::string> simulated_effects(const Spec& spec) {
+  std::vector<std::string> all;
+  for (const Effect& e : spec.effects)
+    all.push_back(e.type + (e.joint.empty() ? "" : " of " + e.joint) + ": " + parameters_text(spec, e));
+  return all;
+}
+
 }  // namespace
 
 page::Page page_of(const SimulationReport& r) {
@@ -156,7 +165,8 @@ page::Page page_of(const SimulationReport& r) {
   };
   add("The simulation",
       page::paragraph(counted(r.simulation.runs, "run") + " of " + counted(r.simulation.samples, "sample") +
-                      ", the first " + std::to_string(r.simulation.settling) + " discarded."));
+                      ", the first " + std::to_string(r.simulation.settling) + " discarded.") +
+          page::list(simulated_effects(r.spec)));
   if (r.cutoffs) {
     add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
     return page;
