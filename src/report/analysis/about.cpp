@@ -99,32 +99,26 @@ std::string requirement_list(const Spec& spec) {
 std::string requirement_table(const Spec& spec, const std::vector<RequirementResult>& results,
                               const std::string& caption) {
   const auto before = caption.empty() ? results_of_file(spec) : std::nullopt;
-  std::string out = "<div class=\"wide\"><table class=\"verdicts\">" +
-                    (caption.empty() ? "" : "<caption>" + caption + "</caption>") + "<thead><tr>";
-  for (const char* head : {"verdict", "requirement", "value", "before --set", "margin (bar: used)"})
-    if (before || head != std::string_view("before --set"))
-      out += std::string("<th scope=\"col\">") + head + "</th>";
-  out += "</tr></thead><tbody>";
+  std::vector<std::string> header{"verdict", "requirement", "value", "margin (bar: used)"}, rows;
+  if (before) header.insert(header.end() - 1, "before --set");
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Requirement& r = spec.requirements[i];
     const RequirementResult& result = results[i];
-    const auto part = part_of_limit(r, result);
-    out += "<tr><td>" + drawn_verdict(result) + "</td><td>" + name_markup(limited(r)) + "</td><td>" +
-           escaped_markup(readable(result.value, r.unit)) + "</td>";
+    std::string row =
+        "<td>" + drawn_verdict(result) + "</td>" + cell(limited(r)) + cell(readable(result.value, r.unit));
     if (before)
-      out += "<td>" + escaped_markup(readable((*before)[i].value, r.unit)) +
-             ((*before)[i].met == result.met ? ""
-              : (*before)[i].met             ? ", met"
-                                             : ", not met") +
-             "</td>";
-    out += part ? bar_cell(margin_text(r, result), *part, *part)
-                : "<td>" + escaped_markup(margin_text(r, result)) + "</td>";
-    out += "</tr>\n";
+      row += cell(readable((*before)[i].value, r.unit) + ((*before)[i].met == result.met ? ""
+                                                          : (*before)[i].met             ? ", met"
+                                                                                         : ", not met"));
+    const auto part = part_of_limit(r, result);
+    rows.push_back(row +
+                   (part ? bar_cell(margin_text(r, result), *part, *part) : cell(margin_text(r, result))));
     if (!r.at_least && result.at_max.size() > 0)
-      out += "<tr class=\"where\"><td colspan=\"" + std::string(before ? "5" : "4") + "\">largest at " +
-             escaped_markup(place_of(spec.model.chain, result.at_max)) + "</td></tr>\n";
+      rows.push_back("<td class=\"where\" colspan=\"" + std::to_string(header.size()) + "\">largest at " +
+                     escaped_markup(place_of(spec.model.chain, result.at_max)) + "</td>");
   }
-  return out + "</tbody></table></div>\n";
+  return "<div>" + (caption.empty() ? "" : "<b>" + caption + "</b>") + table_of("verdicts", header, rows) +
+         "</div>";
 }
 
 std::string title_block(const Spec& spec, const std::optional<std::vector<RequirementResult>>& results,

@@ -25,27 +25,42 @@ std::string title_of(const CheckReport& report) {
              : "Requirements of " + counted(count, "spec");
 }
 
+/// How many requirements of a spec are met, and which takes the largest part of its limit.
+struct Tightest {
+  std::size_t met = 0;
+  std::string requirement = {};  ///< "": no part is known
+  double part = -1;
+};
+
+Tightest tightest_of(const SpecCheck& check) {
+  Tightest t;
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const Requirement& r = check.analysis.spec.requirements[i];
+    t.met += check.results[i].met;
+    if (const auto part = part_of_limit(r, check.results[i]); part && *part > t.part)
+      t.part = *part, t.requirement = limited(r);
+  }
+  return t;
+}
+
 /// One sentence for a design review: how many are met, and which is worst.
 std::string answer_of(const CheckReport& report) {
   std::size_t all = 0, met = 0, worse = 0;
-  const Requirement* tightest = nullptr;
+  Tightest tightest;
   std::string where;
-  double largest = -1;
   for (const SpecCheck& check : report.specs) {
     worse += check.baseline ? check.baseline->regressions.size() : 0;
-    for (std::size_t i = 0; i < check.results.size(); ++i) {
-      const Requirement& r = check.analysis.spec.requirements[i];
-      ++all, met += check.results[i].met;
-      if (const auto part = part_of_limit(r, check.results[i]); part && *part > largest)
-        largest = *part, tightest = &r, where = check.analysis.spec.file;
-    }
+    const Tightest t = tightest_of(check);
+    all += check.results.size(), met += t.met;
+    if (t.part > tightest.part) tightest = t, where = check.analysis.spec.file;
   }
   std::string text = met == all
                          ? "All " + counted(all, "requirement") + " are met"
                          : std::to_string(all - met) + " of " + counted(all, "requirement") + " are not met";
-  if (tightest)
-    text += "; the tightest, " + limited(*tightest) + (report.specs.size() > 1 ? " of " + shown(where) : "") +
-            ", takes " + percent(largest) + " of its limit";
+  if (tightest.part >= 0)
+    text += "; the tightest, " + tightest.requirement +
+            (report.specs.size() > 1 ? " of " + shown(where) : "") + ", takes " + percent(tightest.part) +
+            " of its limit";
   if (worse > 0) text += "; " + counted(worse, "figure") + " worse than in the baseline";
   if (!report.broken.empty()) text += "; " + counted(report.broken.size(), "spec") + " cannot be checked";
   return text + '.';
@@ -65,19 +80,11 @@ std::string fleet_table(const CheckReport& report) {
   std::vector<std::pair<double, std::vector<std::string>>> rows;
   for (const BrokenSpec& b : report.broken) rows.push_back({INFINITY, {b.file, "CANNOT BE CHECKED"}});
   for (const SpecCheck& check : report.specs) {
-    std::size_t met = 0, tightest = 0;
-    double largest = -1;
-    for (std::size_t i = 0; i < check.results.size(); ++i) {
-      met += check.results[i].met;
-      const auto part = part_of_limit(check.analysis.spec.requirements[i], check.results[i]);
-      if (part && *part > largest) largest = *part, tightest = i;
-    }
-    const std::size_t all = check.results.size();
-    rows.push_back({check.all_met() ? largest : 1e9 + largest,
+    const Tightest t = tightest_of(check);
+    rows.push_back({check.all_met() ? t.part : 1e9 + t.part,
                     {check.analysis.spec.file, check.all_met() ? "met" : "NOT MET",
-                     std::to_string(met) + " of " + std::to_string(all),
-                     largest < 0 ? "" : limited(check.analysis.spec.requirements[tightest]),
-                     largest < 0 ? "" : percent(largest),
+                     std::to_string(t.met) + " of " + std::to_string(check.results.size()), t.requirement,
+                     t.part < 0 ? "" : percent(t.part),
                      check.baseline ? std::to_string(check.baseline->regressions.size()) : ""}});
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -6,7 +6,6 @@
 #include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/prose.hpp"
@@ -16,8 +15,7 @@ namespace qerr {
 
 namespace {
 
-/// Beyond these a page would be a list.
-constexpr std::size_t most_bars = 48, most_compared_rows = 400;
+constexpr std::size_t most_compared_rows = 400;
 
 std::string side_text(const NamedFigures& f) {
   std::string text = page::isolated(f.file);
@@ -46,24 +44,21 @@ bool has_bar(const std::optional<double>& value) { return value && std::isfinite
 std::string side_cell(const FigureChange& f, bool of_a) {
   const double value = of_a ? *f.a : *f.b, largest = std::max(*f.a, *f.b);
   const std::string text = readable(value, f.figure.unit);
-  if (!has_bar(f.a) || !has_bar(f.b) || largest == 0) return "<td>" + page::escaped_markup(text) + "</td>";
+  if (!has_bar(f.a) || !has_bar(f.b) || largest == 0) return page::cell(text);
   return page::bar_cell(text, value / largest, value, of_a ? 0 : 1);
 }
 
 std::string figure_table(const std::vector<FigureChange>& notable) {
   if (notable.empty()) return "<p>No figure of both reports has changed in its first three digits.</p>";
-  std::string out =
-      "<div class=\"wide\"><table class=\"changes\"><thead><tr><th scope=\"col\">figure</th><th "
-      "scope=\"col\">A</th><th scope=\"col\">B</th><th scope=\"col\">change</th></tr></thead><tbody>\n";
-  const std::size_t rows = std::min(notable.size(), most_compared_rows);
-  for (std::size_t i = 0; i < rows; ++i)
-    out += "<tr><td>" + page::name_markup(notable[i].figure.name()) + "</td>" + side_cell(notable[i], true) +
-           side_cell(notable[i], false) + "<td>" + page::escaped_markup(change_text(notable[i])) +
-           "</td></tr>\n";
-  out += "</tbody></table></div>\n";
-  if (rows < notable.size())
-    out += "<p>The first " + std::to_string(rows) + " of " + counted(notable.size(), "figure") + ".</p>";
-  return out;
+  std::vector<std::string> rows;
+  for (const FigureChange& f : notable)
+    if (rows.size() < most_compared_rows)
+      rows.push_back(page::cell(f.figure.name()) + side_cell(f, true) + side_cell(f, false) +
+                     page::cell(change_text(f)));
+  return page::table_of("changes", {"figure", "A", "B", "change"}, rows) +
+         (rows.size() < notable.size() ? "<p>The first " + std::to_string(rows.size()) + " of " +
+                                             counted(notable.size(), "figure") + ".</p>"
+                                       : "");
 }
 
 /// Which requirement flips first on the way from A to B, or is next to.
@@ -82,34 +77,30 @@ std::string first_flip(const ReportComparison& c) {
 
 std::string requirement_section(const ReportComparison& c) {
   if (c.requirements.empty()) return "<p>Neither report has requirements.</p>";
-  std::string out = "<p>" + page::escaped_markup(first_flip(c)) +
-                    "</p><div class=\"wide\"><table class=\"flips\"><thead><tr>";
-  for (const char* head : {"requirement", "A", "B", "verdict", "margin in B", "flips after"})
-    out += std::string("<th scope=\"col\">") + head + "</th>";
-  out += "</tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < std::min(c.requirements.size(), most_compared_rows); ++i) {
-    const RequirementChange& r = c.requirements[i];
+  std::vector<std::string> rows;
+  for (const RequirementChange& r : c.requirements) {
+    if (rows.size() == most_compared_rows) break;
     const auto after = r.flips_after();
-    out += "<tr><td>" + page::name_markup(r.any().figure.name()) + "</td>";
-    for (const std::string& text :
-         {judged_text(r.a), judged_text(r.b), flip_text(r), r.b ? percent(margin(*r.b)) : std::string()})
-      out += "<td>" + page::escaped_markup(text) + "</td>";
-    out += (after ? page::bar_cell(percent(*after), *after, *after) : "<td></td>") + "</tr>\n";
+    rows.push_back(page::cell(r.any().figure.name()) + page::cell(judged_text(r.a)) +
+                   page::cell(judged_text(r.b)) + page::cell(flip_text(r)) +
+                   page::cell(r.b ? percent(margin(*r.b)) : "") +
+                   (after ? page::bar_cell(percent(*after), *after, *after) : page::cell("")));
   }
-  return out + "</tbody></table></div>\n";
+  return page::paragraph(first_flip(c)) +
+         page::table_of("flips", {"requirement", "A", "B", "verdict", "margin in B", "flips after"}, rows);
 }
 
-/// A bar of each encoder's share before, and one after.
+/// The encoders' shares before and after, each over the largest one.
 std::string share_section(const ReportComparison& c) {
-  page::Bars bars{"Shares of the tip's mean variance",
-                  "Of each encoder, before (A) and after (B), the largest differences first.",
-                  {}};
-  for (const ShareChange& s : c.shares) {
-    if (bars.bars.size() >= most_bars) break;
-    if (has_bar(s.a)) bars.bars.push_back({s.encoder + ", A", *s.a, percent(*s.a)});
-    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b), {}, 1});
-  }
-  return bars.bars.empty() ? "<p>Not in both reports.</p>" : figure(bars);
+  double largest = 0;
+  for (const ShareChange& s : c.shares) largest = std::max({largest, s.a.value_or(0), s.b.value_or(0)});
+  const auto share = [&](const std::optional<double>& value, int colour) {
+    return value && largest > 0 ? page::bar_cell(percent(*value), *value / largest, *value, colour)
+                                : page::cell("-");
+  };
+  std::vector<std::string> rows;
+  for (const ShareChange& s : c.shares) rows.push_back(page::cell(s.encoder) + share(s.a, 0) + share(s.b, 1));
+  return rows.empty() ? "<p>Not in both reports.</p>" : page::table_of("shares", {"encoder", "A", "B"}, rows);
 }
 
 /// Figures of one report only, by quantity.
@@ -150,7 +141,7 @@ page::Page page_of(const ReportComparison& c) {
       sentence + "." + flipped_names(c),
       {{"Requirements", requirement_section(c)},
        {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)},
-       {"Shares of the encoders", share_section(c)}},
+       {"Shares of the encoders in the tip's mean variance", share_section(c)}},
       c.warnings};
   page.about = sides(c);
   return page;

@@ -24,20 +24,15 @@ std::string encoder_table(const DesignReport& r, const Design& d) {
   const auto cost = [&](const DesignedEncoder& e) { return by_bits(r) ? e.bits : e.price.value_or(0); };
   double largest = 0;
   for (const DesignedEncoder& e : d.encoders) largest = std::max(largest, cost(e));
-  std::string out = "<div class=\"wide\"><table class=\"pays\"><thead><tr>";
-  for (const char* head : {"joint", "encoder", "bits at the joint", "price"})
-    out += std::string("<th scope=\"col\">") + head + "</th>";
-  out += "</tr></thead><tbody>\n";
+  std::vector<std::string> rows;
   for (const DesignedEncoder& e : d.encoders) {
-    const std::string price = priced(e.price, r.price_unit), bits = fixed_point(e.bits, 2);
-    const auto cell = [&](const std::string& text, bool paid) {
-      return paid && largest > 0 ? page::bar_cell(text, cost(e) / largest, cost(e))
-                                 : "<td>" + page::escaped_markup(text) + "</td>";
+    const auto paid = [&](const std::string& text, bool counts) {
+      return counts && largest > 0 ? page::bar_cell(text, cost(e) / largest, cost(e)) : page::cell(text);
     };
-    out += "<tr><td>" + page::name_markup(e.joint) + "</td><td>" + page::name_markup(e.name) + "</td>" +
-           cell(bits, by_bits(r)) + cell(price, !by_bits(r)) + "</tr>\n";
+    rows.push_back(page::cell(e.joint) + page::cell(e.name) + paid(fixed_point(e.bits, 2), by_bits(r)) +
+                   paid(priced(e.price, r.price_unit), !by_bits(r)));
   }
-  return out + "</tbody></table></div>\n";
+  return page::table_of("pays", {"joint", "encoder", "bits at the joint", "price"}, rows);
 }
 
 std::string filter_paragraphs(const Design& d) {

@@ -20,16 +20,24 @@ std::string bar_cell(const std::string& text, double part, double value, int col
          "</td>";
 }
 
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
-  std::string out = "<div class=\"wide\"><table><thead><tr>";
-  for (const std::string& cell : header) out += "<th scope=\"col\">" + escaped_markup(cell) + "</th>";
+std::string cell(const std::string& text) { return "<td>" + name_markup(text) + "</td>"; }
+
+std::string table_of(std::string_view style, const std::vector<std::string>& header,
+                     const std::vector<std::string>& rows) {
+  std::string out = "<div class=\"wide\"><table class=\"" + std::string(style) + "\"><thead><tr>";
+  for (const std::string& head : header) out += "<th scope=\"col\">" + escaped_markup(head) + "</th>";
   out += "</tr></thead><tbody>\n";
-  for (const auto& row : rows) {
-    out += "<tr>";
-    for (const std::string& cell : row) out += "<td>" + name_markup(cell) + "</td>";
-    out += "</tr>\n";
-  }
+  for (const std::string& row : rows) out += "<tr>" + row + "</tr>\n";
   return out + "</tbody></table></div>\n";
+}
+
+std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::string> marked;
+  for (const auto& row : rows) {
+    marked.emplace_back();
+    for (const std::string& text : row) marked.back() += cell(text);
+  }
+  return table_of("plain", header, marked);
 }
 
 std::string choice(const std::string& label,

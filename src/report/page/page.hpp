@@ -35,6 +35,14 @@ std::string json_script(std::string json, const std::string& attributes = "");
 /// @param colour  of those of lines
 std::string bar_cell(const std::string& text, double part, double value, int colour = 0);
 
+/// A cell of text; "" and names keep their writing direction to themselves.
+std::string cell(const std::string& text);
+
+/// A table whose rows are cells as markup.
+/// @param style  its class
+std::string table_of(std::string_view style, const std::vector<std::string>& header,
+                     const std::vector<std::string>& rows);
+
 /// A table for people and screen readers. The cells are text.
 std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
 

@@ -7,7 +7,7 @@ const std::string_view style_sheet = R"(
 body{margin:0 auto;max-width:1280px;padding:1.2rem;color:var(--ink);background:var(--paper);font:16px/1.45 system-ui,sans-serif;overflow-wrap:anywhere}
 h1{font-size:1.7rem;line-height:1.2;margin:.2rem 0 .6rem}h2{font-size:1.15rem;margin:0 0 .6rem;break-after:avoid}h3{font-size:1rem}
 .answer{font-size:1.15rem;max-width:60rem;margin:.4rem 0 1rem}
-.head{display:flex;flex-wrap:wrap;gap:.4rem 2rem;background:var(--card);border:1px solid var(--grid);border-radius:8px;padding:.7rem 1rem;margin-bottom:1rem;align-items:start}.head>.about{flex:1 1 24rem}.head>.wide{min-width:0;max-width:100%}.where td{color:var(--soft);font-size:.8rem;border:0;white-space:normal;padding-top:0;max-width:34rem}
+.head{display:flex;flex-wrap:wrap;gap:.4rem 2rem;background:var(--card);border:1px solid var(--grid);border-radius:8px;padding:.7rem 1rem;margin-bottom:1rem;align-items:start}.head>.about{flex:1 1 24rem}.head>div{min-width:0;max-width:100%}
 .about{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;margin:.2rem 0;font-size:.9rem}.about dt{color:var(--soft)}.about dd{margin:0;min-width:0}
 .verdict{font-weight:600;white-space:nowrap}.verdict.met{color:var(--good)}.verdict.failed{color:var(--bad)}.verdict.open{color:var(--c4)}
 .sections{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:1rem;grid-auto-flow:dense}
@@ -43,8 +43,8 @@ th,td{padding:.2rem .6rem;border-bottom:1px solid var(--grid);text-align:right}t
 th,td{overflow-wrap:normal}td{white-space:nowrap}
 th:first-child,td:first-child{text-align:left;min-width:5rem;white-space:normal;overflow-wrap:anywhere}
 .cause{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:0 1rem}.cause h3{grid-column:1/-1;margin:.3rem 0}.cause ul{margin:0}.figures>.cause:only-child{grid-column:1/-1}
-.verdicts th:first-child,.verdicts tr:not(.where) td:first-child{min-width:0;white-space:nowrap}.verdicts th:nth-child(2),.verdicts td:nth-child(2){min-width:9rem;text-align:left;white-space:normal;overflow-wrap:anywhere}
-.use{background:linear-gradient(var(--c,var(--c0)),var(--c,var(--c0))) no-repeat 0 100%/var(--p) 4px}.over{--c:var(--bad)}caption{text-align:left;font-weight:600}
+.verdicts th:first-child,.verdicts td:first-child{min-width:0;white-space:nowrap}.verdicts td.where{color:var(--soft);font-size:.8rem;border:0;white-space:normal;padding-top:0;max-width:24rem}.verdicts th:nth-child(2),.verdicts td:nth-child(2){min-width:9rem;text-align:left;white-space:normal;overflow-wrap:anywhere}
+.use{background:linear-gradient(var(--c,var(--c0)),var(--c,var(--c0))) no-repeat 0 100%/var(--p) 4px}.over{--c:var(--bad)}
 section .head{border:0;padding:0;margin:0;background:none}
 .matrix td{background:color-mix(in srgb,var(--c0) var(--p,0%),transparent)}.matrix{font-size:.8rem}.matrix th:first-child{min-width:8rem;font-weight:400}
 select{max-width:100%;background:var(--paper);border:1px solid var(--soft);border-radius:5px;padding:.1rem .3rem}
