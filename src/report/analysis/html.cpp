@@ -100,7 +100,7 @@ std::string control_part(const Analysis& a) {
         std::vector<std::string> header = table.rows.front();
         header.front() = "name";
         table.rows.erase(table.rows.begin());
-        out += page::subtitle(table.title) + page::isolated_table(header, table.rows);
+        out += page::subtitle(table.title) + page::table(header, table.rows);
       }
       for (const std::string& note : table.notes) out += page::paragraph(note + '.');
     }

@@ -72,7 +72,7 @@ std::string baseline_of_page(const BaselineCheck& b) {
     rows.push_back(
         {f.figure.name(), readable(*f.a, f.figure.unit), readable(*f.b, f.figure.unit), change_text(f)});
   return page::paragraph("Baseline: " + verdict(b) + '.') +
-         (rows.empty() ? "" : page::isolated_table({"figure", "baseline", "now", "change"}, rows));
+         (rows.empty() ? "" : page::table({"figure", "baseline", "now", "change"}, rows));
 }
 
 /// A row for each spec, those that fail first.
@@ -98,7 +98,7 @@ std::string fleet_table(const CheckReport& report) {
     row.resize(heads.size());
     cells.push_back(std::move(row));
   }
-  return page::isolated_table(heads, cells);
+  return page::table(heads, cells);
 }
 
 /// What all specs of a fleet have in common.

@@ -4,6 +4,7 @@
 
 #include "core/text.hpp"
 #include "report/page/markup.hpp"
+#include "report/page/prose.hpp"
 
 namespace qerr::page {
 
@@ -25,7 +26,8 @@ std::string cell(const std::string& text) { return "<td>" + name_markup(text) + 
 std::string table_of(std::string_view style, const std::vector<std::string>& header,
                      const std::vector<std::string>& rows) {
   std::string out = "<div class=\"wide\"><table class=\"" + std::string(style) + "\"><thead><tr>";
-  for (const std::string& head : header) out += "<th scope=\"col\">" + escaped_markup(head) + "</th>";
+  for (const std::string& head : header)
+    out += "<th scope=\"col\">" + escaped_markup(isolated_runs(head)) + "</th>";
   out += "</tr></thead><tbody>\n";
   for (const std::string& row : rows) out += "<tr>" + row + "</tr>\n";
   return out + "</tbody></table></div>\n";
@@ -35,7 +37,7 @@ std::string table(const std::vector<std::string>& header, const std::vector<std:
   std::vector<std::string> marked;
   for (const auto& row : rows) {
     marked.emplace_back();
-    for (const std::string& text : row) marked.back() += cell(text);
+    for (const std::string& text : row) marked.back() += cell(isolated_runs(text));
   }
   return table_of("plain", header, marked);
 }

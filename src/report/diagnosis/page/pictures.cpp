@@ -78,7 +78,7 @@ std::string parameters_part(const DiagnosisReport& r) {
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       rows.push_back({label(c), p.figure.name, parameter_size(r.spec, c, p), probability_text(c.p_value)});
   if (rows.empty()) return "";
-  return page::isolated_table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows);
+  return page::table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows);
 }
 
 std::string remainder_part(const DiagnosisReport& r) {
@@ -124,8 +124,7 @@ std::string visible_part(const DiagnosisReport& r) {
   if (sizes.empty()) return "";
   const std::vector<std::string> header = sizes.front();
   sizes.erase(sizes.begin());
-  return page::paragraph("Each effect from this size on, had it been there:") +
-         page::isolated_table(header, sizes);
+  return page::paragraph("Each effect from this size on, had it been there:") + page::table(header, sizes);
 }
 
 std::string gain_part(const DiagnosisReport& r) {
@@ -136,7 +135,7 @@ std::string gain_part(const DiagnosisReport& r) {
   rows.erase(rows.begin());
   std::vector<std::string> remarks = prediction_lines(d.gain);
   if (d.gain.held_out) remarks.insert(remarks.begin(), "after: on held-out blocks of the log");
-  return page::isolated_table(header, rows) + page::list(remarks);
+  return page::table(header, rows) + page::list(remarks);
 }
 
 }  // namespace qerr
