@@ -192,7 +192,8 @@ page::Page page_of(const SimulationReport& r) {
     add("Velocity estimators", estimator_figures(r));
     return page;
   }
-  add("Simulation and theory", prediction_figure(r) + deviation_list(r) + factor_table(r));
+  add("Simulation and theory",
+      page::side_by_side(prediction_figure(r) + "<div>" + factor_table(r) + "</div>") + deviation_list(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
   add("All figures", figure_tables(r));
   add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));

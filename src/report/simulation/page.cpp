@@ -43,7 +43,7 @@ std::string prediction_figure(const SimulationReport& r) {
       sigma.bars.push_back(bar);
     }
   }
-  return sigma.bars.empty() ? "" : page::side_by_side(figure(sigma));
+  return sigma.bars.empty() ? "" : figure(sigma);
 }
 
 std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const std::vector<double>& error,
