@@ -13,7 +13,7 @@
 #include "core/search.hpp"
 #include "core/text.hpp"
 #include "qerr/bound/independent_error.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -518,7 +518,8 @@ ControlTable loop_table(const Spec& spec, const ControlReport& report) {
   }
   const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
                                    [](const LoopReport& l) { return l.largest_inertia > l.least_inertia; });
-  return {sampled ? "Loops, at the worst inertia between these ends" : "Loops", std::move(rows),
+  return {sampled ? "Loops, at the worst inertia between these ends" : "Loops",
+          std::move(rows),
           {std::string("limit cycle at most: ") +
            (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
                     : "proven, whatever the motion") +
@@ -540,7 +541,8 @@ ControlTable wall_table(const Spec& spec, const ControlReport& report) {
       places += (j ? ", " : "") + shown(spec.model.chain.independent[static_cast<std::size_t>(j)].name) +
                 ' ' + significant(w.at[j], 4);
   }
-  return {"Virtual walls: the least stiffness over the configurations that stays passive", std::move(rows),
+  return {"Virtual walls: the least stiffness over the configurations that stays passive",
+          std::move(rows),
           {places,
            "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
            "of the counts"}};
