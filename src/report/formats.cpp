@@ -14,18 +14,30 @@ namespace qerr {
 namespace {
 
 template <class Report>
-std::string to_json(const Report& report, const Style&) {
-  return json_of(report).document();
+Json whole_json(const Report& report) {
+  return json_of(report);
 }
 template <>
-std::string to_json(const ListReport& report, const Style&) {
-  return json_of(report.rows).document();
+Json whole_json(const ListReport& report) {
+  return json_of(report.rows);
 }
 /// The report of one spec; for several a list of such reports.
 template <>
-std::string to_json(const CheckReport& report, const Style&) {
+Json whole_json(const CheckReport& report) {
   const bool single = report.specs.size() == 1 && report.broken.empty();
-  return (single ? json_of(report.specs.front()) : json_of(report)).document();
+  return single ? json_of(report.specs.front()) : json_of(report);
+}
+
+template <class Report>
+std::string to_json(const Report& report, const Style&) {
+  return whole_json(report).document();
+}
+
+template <class Report>
+std::string to_html(const Report& report, const Style&) {
+  page::Page page = page_of(report);
+  page.report = whole_json(report).line();
+  return markup(page);
 }
 
 template <class Report>
@@ -36,9 +48,9 @@ struct Exporter {
 
 /// The page of a report; null: it has none.
 template <class Report>
-constexpr Writer<Report>* page_of() {
-  if constexpr (requires(const Report& r) { to_html(r, Style()); })
-    return to_html;
+constexpr Writer<Report>* html_of() {
+  if constexpr (requires(const Report& r) { page_of(r); })
+    return to_html<Report>;
   else
     return nullptr;
 }
@@ -58,7 +70,7 @@ inline constexpr std::array<Exporter<Report>, 5> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
     {{"json", ".json", "everything, SI units"}, to_json<Report>},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
-    {{"html", ".html", "a page with pictures"}, page_of<Report>()},
+    {{"html", ".html", "a page with pictures"}, html_of<Report>()},
     {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>()},
 }};
 

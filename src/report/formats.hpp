@@ -11,10 +11,11 @@
 #include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
+#include "report/page/page.hpp"
 
 /// The writers of every report, one per format.
 ///
-/// `html` has a writer where a report has a page; the others are refused.
+/// `html` is offered where a report has a page (page_of); the others are refused.
 ///
 /// To add a format: a row in `exporters` (formats.cpp), its writer's name beside the others below, and one
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
@@ -42,12 +43,13 @@ Writer<PlanReport> to_table, to_csv;
 Writer<RobotReport> to_table, to_csv;
 Writer<ListReport> to_table, to_csv;
 
-Writer<Analysis> to_html;
-Writer<CheckReport> to_html;
-Writer<ReportComparison> to_html;
-Writer<DesignReport> to_html;
-Writer<FilterReport> to_html;
-Writer<SimulationReport> to_html;
-Writer<DiagnosisReport> to_html;
+/// Pages, to which the JSON of the report is added.
+page::Page page_of(const Analysis&);
+page::Page page_of(const CheckReport&);
+page::Page page_of(const ReportComparison&);
+page::Page page_of(const DesignReport&);
+page::Page page_of(const FilterReport&);
+page::Page page_of(const SimulationReport&);
+page::Page page_of(const DiagnosisReport&);
 
 }  // namespace qerr

@@ -11,6 +11,7 @@ import tempfile
 import xml.etree.ElementTree as Xml
 
 from check_pages import CONFIGS, HTML, LARGEST, SVG, close, figures, marks, page
+from pages import bar_cells, embedded, text_of
 from tool import program_and_tally, run
 
 HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
@@ -31,10 +32,6 @@ def line(figure, series):
     group = next(g for g in figure.iter(SVG + "g") if g.get("data-series") == series)
     paths = [p.get("data-points") for p in group.iter(SVG + "path") if p.get("data-points")]
     return [tuple(map(float, p.split(","))) for p in " ".join(paths).split()]
-
-
-def text_of(root):
-    return " ".join(" ".join(root.itertext()).split())
 
 
 def check_filter(t, qerr, folder):
@@ -80,20 +77,21 @@ def check_coefficients(t, qerr, folder):
 def check_compare(t, qerr):
     spec = CONFIGS / "scara/spec.yaml"
     arguments = ("compare", spec, spec, "--set", "encoders.elbow.counts_per_rev=1024", "--set", "configurations.count=300")
-    root = page(t, qerr, "compare", *arguments)
+    root = page(t, qerr, "compare", *arguments, drawn=False)
     found, drawn = report(qerr, *arguments), figures(root)
+    t.check("compare: the page has the report's JSON", embedded(root) == found)
     changed = {f"{f['figure']} {f['statistic']}".strip(): f for f in found["figures"]}
-    pairs = [(name, bars(figure)) for name, figure in drawn.items() if set(bars(figure)) == {"A", "B"}]
+    changes = next(x for x in root.iter(HTML + "table") if x.get("class") == "changes")
+    pairs = [(r.find(f"{HTML}td/{HTML}bdi").text, [float(c.get("data-value")) for c in r if c.get("data-value")]) for r in changes.find(HTML + "tbody")]
     t.check("compare: figures are drawn", len(pairs) >= 3)
     for name, pair in pairs:
-        t.check(f"compare: {name} as in JSON", pair == {"A": changed[name]["a"], "B": changed[name]["b"]})
-    shares = {f"{s['encoder']}, {side}": s[side.lower()] for s in found["shares"] for side in "AB"}
-    t.check("compare: shares as in JSON", bars(drawn["Shares of the tip's mean variance"]) == shares)
+        t.check(f"compare: {name} as in JSON", pair == [changed[name]["a"], changed[name]["b"]], str(pair))
+    shares = [s[side] for s in found["shares"] for side in "ab"]
+    t.check("compare: shares as in JSON", [v for v, _ in bar_cells(root, "shares")] == shares)
     flipped = [r for r in found["requirements"] if r["flipped"]]
     t.check("compare: a requirement flips", flipped)
-    heights = bars(drawn["Part of the change after which a requirement flips"])
-    t.check("compare: when requirements flip as in JSON", heights.pop("the whole change") == 1
-            and sorted(heights.values()) == sorted(r["flips_after"] for r in flipped))
+    t.check("compare: when requirements flip as in JSON", sorted(v for v, _ in bar_cells(root, "flips")) == sorted(r["flips_after"] for r in flipped))
+    t.check("compare: the hash of both", text_of(root).count(json.loads(run(qerr, "check", spec, "--json", "-q").out)["spec"]["sha256"][:12]) == 2)
     first = f"{flipped[0]['quantity']} {flipped[0]['statistic'] or ''}".strip()
     t.check("compare: the first one to flip is named",
             re.search("First to flip on the way from A to B[^:]*: .?" + re.escape(first), text_of(root)))
@@ -246,10 +244,11 @@ def check_design(t, qerr, folder):
     prices = list(bars(drawn["Price with one requirement relaxed"]).values())
     t.check("design: prices of requirements as in JSON",
             prices == [optimum["price"]] + [p["price"] for p in found["price_of_requirements"]])
-    paid = bars(drawn["Price of each joint"])
-    t.check("design: what each joint pays adds up to the price", len(paid) == len(optimum["encoders"]) and close(sum(paid.values()), optimum["price"]), str(paid))
-    used = list(bars(drawn["Part of the limit that is used"]).values())
-    t.check("design: use of the limits as in JSON", used == [1] + [r["value"] / r["at_most"] for r in optimum["requirements"]])
+    t.check("design: the page has the report's JSON", embedded(root) == found)
+    paid = [value for value, _ in bar_cells(root, "pays")]
+    t.check("design: what each joint pays adds up to the price", len(paid) == len(optimum["encoders"]) and close(sum(paid), optimum["price"]), str(paid))
+    used = [value for value, _ in bar_cells(root, "verdicts")]
+    t.check("design: use of the limits as in JSON", used == [r["value"] / r["at_most"] for r in optimum["requirements"]], str(used))
     cells = [c.text if c.find(HTML + "bdi") is None else c.find(HTML + "bdi").text for c in root.iter(HTML + "td")]
     t.check("design: the table names each encoder", all(joint in cells and name in cells for joint, name in optimum["encoders"].items()))
     spec.write_text(DESIGN.format(urdf=urdf, limit=1e-4))

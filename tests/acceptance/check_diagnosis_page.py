@@ -2,7 +2,7 @@
 """The page of diagnose: well-formed, without requests, small, the same for any threads; what it draws is what JSON and the files of
 --plots say.
 
-    check_diagnosis_page.py --qerr build/qerr [--verbose]
+    check_diagnosis_page.py --qerr build/qerr [--verbose] [--million]
 """
 import csv
 import json
@@ -10,10 +10,12 @@ import pathlib
 import random
 import re
 import resource
+import sys
 import tempfile
 import xml.etree.ElementTree as Xml
 
 from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, page
+from pages import embedded, opened
 from tool import program_and_tally, run
 
 AXIS = """<robot name="axis"><link name="base"/><link name="disc"/><joint name="{name}" type="revolute"><parent link="base"/>
@@ -79,7 +81,8 @@ def check_curve(t, name, lines, curve, observed):
 def check_causes(t, name, root, report):
     drawn = figures(root)
     titles = [h.text for h in root.iter(HTML + "h3")]
-    bars = {g.get("data-name"): g for f in root.iter(HTML + "figure") for g in f.iter(SVG + "g") if g.get("data-name")}
+    t.check(f"{name}: the page has the report's JSON", embedded(root) == report)
+    rows = [tuple("".join(c.itertext()) for c in r) for r in root.iter(HTML + "tr")]
     for cause in report["causes"]:
         title = next((text for text in titles if text.startswith(cause["effect"]) and text.endswith(cause["joint"])), None)
         if not t.check(f"{name}: {cause['effect']} has its part", title is not None, str(titles)):
@@ -88,15 +91,9 @@ def check_causes(t, name, root, report):
             check_curve(t, f"{name}: {title}", drawn_lines(drawn[f"Residual without {title}, and its fit"]), cause["curve"],
                         "residual without this")
         for p in cause["parameters"]:
-            fitted = p["lower"] is not None and p["lower"] < p["upper"]
-            bar = bars.get(f"{title}, {p['name']}")
-            if p["name"] == "phase" or not fitted:
-                t.check(f"{name}: no size of {title}, {p['name']}", bar is None)
-                continue
-            error = next(bar.iter(SVG + "path"))
-            ends = sorted(abs(p[k]) for k in ("lower", "upper"))
-            found = [float(bar.get("data-value")), float(error.get("data-from")), float(error.get("data-to"))]
-            t.check(f"{name}: {title}, {p['name']} as in JSON", found == [abs(p["value"]), *ends], f"{found} for {p}")
+            row = next((r for r in rows if r[:2] == (title, p["name"])), None)
+            sure = "< 1e-15" if cause["p_value"] < 1e-15 else f"{cause['p_value']:.2g}"
+            t.check(f"{name}: {title}, {p['name']} in the table, and how sure it is", row is not None and float(row[3].replace("< ", "")) == float(sure.replace("< ", "")), str(row))
 
 
 def check_extremes(t, name, points, pairs):
@@ -268,7 +265,7 @@ def check_remainder(t, qerr, folder):
     t.check("step: every curve is drawn", len(shown) == len(curves))
     for u, lines in zip(curves, shown):
         check_curve(t, "step", lines, u["curve"], "residual without this" if u["curve"]["fit"] else "residual")
-    t.check("step: what to do next", any(h.text == "What to do next" for h in root.iter(HTML + "h3")))
+    t.check("step: what to do next", any(h.text == "What to record next" for h in root.iter(HTML + "h2")))
 
 
 def check_without_pictures(t, qerr, folder):
@@ -310,9 +307,22 @@ def check_speed(t, qerr, folder):
     t.check("long: no date, no path but the inputs'", not re.search(rb"\b20\d\d-\d\d-\d\d\b", text))
 
 
+def check_million(t, qerr, folder):
+    """A page of a million rows opens in less than a second, and scrolls without a task above 50 ms."""
+    spec, joint = axis(folder, "axis", "2000 s")  # at 500 Hz
+    log = simulated(t, qerr, spec, folder / "million.csv", FAULTS.format(name="axis"))
+    t.check("million: rows", sum(1 for _ in log.open()) == 1_000_001)
+    told = opened(folder, run(qerr, "diagnose", spec, log, "--format", "html", "--quiet").out.decode())
+    t.check("million: opens in less than a second", 0 < told["loaded"] < 1000, str(told))
+    t.check("million: scrolls without a task above 50 ms", not told["scrolled"], str(told))
+    print(f"million: {told}")
+
+
 if __name__ == "__main__":
+    million = "--million" in sys.argv  # real time: not beside other work
+    sys.argv = [a for a in sys.argv if a != "--million"]
     program, tally = program_and_tally()
-    for check in (check_two_effects, check_arm, check_poses, check_many_causes, check_remainder, check_without_pictures, check_speed):
+    for check in (check_million,) if million else (check_two_effects, check_arm, check_poses, check_many_causes, check_remainder, check_without_pictures, check_speed):
         with tempfile.TemporaryDirectory() as work:
             check(tally, program, pathlib.Path(work))
     raise SystemExit(tally.close())

@@ -12,6 +12,7 @@ import tempfile
 
 from check_diagnosis_page import drawn_lines, rows, six
 from check_pages import CONFIGS, HTML, SVG, figures, page
+from pages import bar_cells, embedded
 from tool import program_and_tally, run
 
 TABLE = """qerr: 1
@@ -32,8 +33,9 @@ def bars(figure):
 
 
 def check_prediction(t, name, root, report):
+    t.check(f"{name}: the page has the report's JSON", embedded(root) == report)
     sigma = bars(figures(root)["Simulated sigma over IPQN along the path"])
-    peak = bars(figures(root)["Peak over worst case along the path"])
+    t.check(f"{name}: the peaks as in JSON", [v for v, _ in bar_cells(root, "peaks")] == [r["peak_simulated"] for r in report["results"]])
     for r in report["results"]:
         label = f"{r['filter']} {r['coordinate']}"
         found = float(sigma[label].get("data-value"))
@@ -41,26 +43,13 @@ def check_prediction(t, name, root, report):
         error = next(sigma[label].iter(SVG + "path"))
         ends = [float(error.get(k)) for k in ("data-from", "data-to")]
         t.check(f"{name}: its interval", ends == [r[k] / r["sigma_ipqn_path"] for k in ("sigma_lower", "sigma_upper")], str(ends))
-        t.check(f"{name}: peak of {label}", float(peak[label].get("data-value")) == r["peak_simulated"] / r["worst_case_path"])
 
 
 def check_ladder(t, name, root, r):
     label = f"{name}: ladder of {r['filter']} {r['coordinate']}"
-    figure = figures(root).get(f"From IPQN to the simulated sigma of {r['filter']} {r['coordinate']}")
-    if r["sigma_ipqn"] == 0:
-        t.check(f"{label}: none from zero", figure is None)
-        return
-    pieces = list(figure.iter(SVG + "g"))
-    t.check(f"{label}: from IPQN", float(pieces[0].get("data-value")) == r["sigma_ipqn"])
-    factors = {p.get("data-name").replace(" ", "_"): float(p.get("data-value")) for p in pieces[1:-1]}
-    t.check(f"{label}: the factors", factors == r["ladder"], f"{factors} for {r['ladder']}")
-    value = r["sigma_ipqn"]
-    for p in pieces[1:-1]:
-        joined = math.isclose(float(p.get("data-from")), value, rel_tol=1e-12)
-        value *= float(p.get("data-value"))
-        t.check(f"{label}: {p.get('data-name')} joins its neighbours",
-                joined and math.isclose(float(p.get("data-to")), value, rel_tol=1e-12))
-    t.check(f"{label}: to the simulated sigma", math.isclose(float(pieces[-1].get("data-value")), r["sigma_simulated"], rel_tol=1e-9))
+    row = next(["".join(c.itertext()) for c in x] for x in root.iter(HTML + "tr") if len(x) == 7 and "".join(x[0].itertext()).endswith(f"{r['filter']} {r['coordinate']}"))
+    found, wanted = [float(v) for v in row[3:] if v], [v for v in r["ladder"].values() if v is not None]
+    t.check(f"{label}: the factors", len(found) == len(wanted) and all(math.isclose(a, b, rel_tol=1e-3) for a, b in zip(found, wanted)), f"{row} for {r['ladder']}")
 
 
 def check_time(t, name, root, r):

@@ -1,11 +1,14 @@
 """Reads pages: their figures, lines, marks and pictures, and what a browser makes of them."""
 import base64
 import html
+import http.server
+import json
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import threading
 import zlib
 
 SVG, HTML = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xhtml}"
@@ -33,6 +36,23 @@ def line(figure, series):
 def axis_titles(figure):
     labels = {text.get("class"): text.text for text in figure.iter(SVG + "text")}
     return labels["label mid"], labels["label"]
+
+
+def embedded(root):
+    """The command's JSON, which scripts read from the page."""
+    return json.loads(next(s.text for s in root.iter(HTML + "script") if s.get("id") == "report"))
+
+
+def bar_cells(root, table=None):
+    """Values and texts of the table cells with a bar."""
+    return [(float(c.get("data-value")), "".join(c.itertext())) for x in root.iter(HTML + "table") if table in (None, x.get("class"))
+            for c in x.iter(HTML + "td") if c.get("data-value")]
+
+
+def text_of(root):
+    """The words that a reader sees, without scripts and the style sheet."""
+    hidden = {id(x) for name in ("script", "style", "title") for x in root.iter(HTML + name)}
+    return " ".join(" ".join(t for x in root.iter() if id(x) not in hidden for t in (x.text or "", x.tail or "")).split())
 
 
 def close(found, wanted, tolerance=1e-5):
@@ -101,6 +121,46 @@ def printed_pages(folder, text, size):
                     f"--user-data-dir={folder}/profile", "--virtual-time-budget=2000", f"--print-to-pdf={made}", file.as_uri()],
                    capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
     return max(int(n) for n in re.findall(rb"/Count (\d+)", made.read_bytes()))
+
+
+# Before the page's body: when it is painted and loaded, what keeps the main thread for more than 50 ms, and the same while it scrolls.
+WATCH = """<script>const tasks=[];new PerformanceObserver(l=>l.getEntries().forEach(e=>tasks.push(e.duration))).observe({type:"longtask",buffered:true});
+addEventListener("load",()=>setTimeout(()=>{const loaded=performance.getEntriesByType("navigation")[0].loadEventEnd,opened=tasks.splice(0);let y=0;
+function step(){scrollTo(0,y+=80);if(y<document.documentElement.scrollHeight)requestAnimationFrame(step);else setTimeout(()=>
+fetch("/",{method:"POST",body:JSON.stringify({loaded,opened,scrolled:tasks})}),300)}requestAnimationFrame(step)},1000))</script>"""
+
+
+def opened(folder, text):
+    """Milliseconds until a page is loaded, and of the tasks above 50 ms while it opens and while it scrolls, in real time; served from
+    this machine, as a browser that prints its DOM does not wait."""
+    told, done = {}, threading.Event()
+
+    class Server(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html; charset=utf-8")
+            self.end_headers()
+            self.wfile.write(text.replace("<main>", WATCH + "<main>", 1).encode() if self.path == "/" else b"")
+
+        def do_POST(self):
+            told.update(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+            self.send_response(200)
+            self.end_headers()
+            done.set()
+
+        def log_message(self, *_):
+            pass
+
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Server) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        browser = subprocess.Popen([CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={folder}/profile",
+                                    "--remote-debugging-port=0", "--window-size=1280,900", f"http://127.0.0.1:{server.server_port}/"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        done.wait(60)
+        browser.terminate()
+        browser.wait()
+        server.shutdown()
+    return told
 
 
 def shown(folder, text, width=1280, checker=None):

@@ -6,7 +6,6 @@
 #include "core/random.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
-#include "report/page/bars.hpp"
 #include "report/simulation/page.hpp"
 
 namespace qerr {
@@ -40,15 +39,6 @@ TEST(AmplitudeDensity, OfWhiteValuesIsFlat) {
 
 TEST(AmplitudeDensity, NeedsSomeValues) {
   EXPECT_TRUE(amplitude_density(std::vector<double>(31, 1.0), 1).empty());
-}
-
-TEST(Waterfall, DrawsEveryPieceBetweenItsNeighbours) {
-  const std::string svg = figure(page::Waterfall{"t", "d", "a & b", "z", 2, "m", {{"up", 3}, {"down", 0.5}}});
-  EXPECT_NE(svg.find("data-name=\"a &amp; b\" data-value=\"2\""), std::string::npos) << svg;
-  EXPECT_NE(svg.find("data-name=\"up\" data-value=\"3\" data-from=\"2\" data-to=\"6\""), std::string::npos);
-  EXPECT_NE(svg.find("data-name=\"down\" data-value=\"0.5\" data-from=\"6\" data-to=\"3\""),
-            std::string::npos);
-  EXPECT_NE(svg.find("data-name=\"z\" data-value=\"3\""), std::string::npos);
 }
 
 /// The statistics of the kept errors are those of the simulation.

@@ -44,6 +44,7 @@ struct NamedFigures {
   /// `encoders.a2.bits=19`: the values of the spec that --set replaced.
   std::vector<std::string> changes;
   std::string robot;   ///< `arm, base -> tool0`; "" in a report of filters
+  std::string sha256;  ///< of the spec; "" in an older report
   std::string sample;  ///< `sobol, 10000 configurations, seed 1`; "" in a report of filters
   std::vector<NamedFigure> figures;
   std::vector<EncoderShare> shares;

@@ -1,9 +1,14 @@
 #include "report/analysis/about.hpp"
 
+#include <algorithm>
+#include <numbers>
+
 #include "core/text.hpp"
+#include "qerr/core/error.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/page/markup.hpp"
+#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {
@@ -57,18 +62,29 @@ std::string drawn_verdict(const RequirementResult& r) {
                        : "<span class=\"verdict failed\">\u2717 not met</span>";
 }
 
-std::string requirement_table(const Spec& spec, const std::vector<RequirementResult>& results) {
-  std::string out = "<div class=\"wide\"><table class=\"verdicts\"><thead><tr>";
-  for (const char* head : {"verdict", "requirement", "value", "margin"})
-    out += std::string("<th scope=\"col\">") + head + "</th>";
-  out += "</tr></thead><tbody>";
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const Requirement& r = spec.requirements[i];
-    out += "<tr><td>" + drawn_verdict(results[i]) + "</td><td>" + name_markup(limited(r)) + "</td><td>" +
-           escaped_markup(readable(results[i].value, r.unit)) + "</td><td>" +
-           escaped_markup(margin_text(r, results[i])) + "</td></tr>\n";
+/// Where the tip errs most: joint by joint, `a1 -31.2 deg, ...`.
+std::string place_of(const Chain& chain, const Eigen::VectorXd& q) {
+  std::string out;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const IndependentJoint& joint = chain.independent[static_cast<std::size_t>(i)];
+    out += (i > 0 ? ", " : "") + isolated(joint.name) + ' ' +
+           (joint.prismatic() ? readable(q[i], "m") : fixed_point(q[i] * 180 / std::numbers::pi, 1) + " deg");
   }
-  return out + "</tbody></table></div>\n";
+  return out;
+}
+
+/// The results of the spec as its file has it; empty without overrides, and where it cannot be judged.
+std::optional<std::vector<RequirementResult>> results_of_file(const Spec& spec) {
+  if (spec.overrides.empty()) return std::nullopt;
+  try {
+    const Spec file = parse_spec(spec.text, spec.file);
+    const bool same = std::equal(file.requirements.begin(), file.requirements.end(),
+                                 spec.requirements.begin(), spec.requirements.end(),
+                                 [](const auto& a, const auto& b) { return a.name() == b.name(); });
+    return same ? verdicts_beside(file) : std::nullopt;
+  } catch (const Error&) {  // only the override makes it a spec
+    return std::nullopt;
+  }
 }
 
 std::string requirement_list(const Spec& spec) {
@@ -80,9 +96,33 @@ std::string requirement_list(const Spec& spec) {
 
 }  // namespace
 
-void describe(Page& page, const Spec& spec, const std::optional<std::vector<RequirementResult>>& results) {
-  page.spec_file = spec.file;
-  page.spec_text = spec.text;
+std::string requirement_table(const Spec& spec, const std::vector<RequirementResult>& results,
+                              const std::string& caption) {
+  const auto before = caption.empty() ? results_of_file(spec) : std::nullopt;
+  std::vector<std::string> header{"verdict", "requirement", "value", "margin (bar: used)"}, rows;
+  if (before) header.insert(header.end() - 1, "before --set");
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Requirement& r = spec.requirements[i];
+    const RequirementResult& result = results[i];
+    std::string row =
+        "<td>" + drawn_verdict(result) + "</td>" + cell(limited(r)) + cell(readable(result.value, r.unit));
+    if (before)
+      row += cell(readable((*before)[i].value, r.unit) + ((*before)[i].met == result.met ? ""
+                                                          : (*before)[i].met             ? ", met"
+                                                                                         : ", not met"));
+    const auto part = part_of_limit(r, result);
+    rows.push_back(row +
+                   (part ? bar_cell(margin_text(r, result), *part, *part) : cell(margin_text(r, result))));
+    if (!r.at_least && result.at_max.size() > 0)
+      rows.push_back("<td class=\"where\" colspan=\"" + std::to_string(header.size()) + "\">largest at " +
+                     escaped_markup(place_of(spec.model.chain, result.at_max)) + "</td>");
+  }
+  return "<div>" + (caption.empty() ? "" : "<b>" + caption + "</b>") + table_of("verdicts", header, rows) +
+         "</div>";
+}
+
+std::string title_block(const Spec& spec, const std::optional<std::vector<RequirementResult>>& results,
+                        const std::string& caption) {
   std::string rows = term("Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12)) +
                      term("Changed by --set", spec.overrides.empty() ? "nothing" : overrides_of(spec)) +
                      term("Encoders", encoders_of(spec));
@@ -91,22 +131,15 @@ void describe(Page& page, const Spec& spec, const std::optional<std::vector<Requ
   else if (!results)
     rows += term("Requirements", requirement_list(spec));
   rows += term("Computed by", "qerr " + std::string(version()));
-  page.about = "<div class=\"head\"><dl class=\"about\">" + rows + "</dl>\n" +
-               (results && !results->empty() ? requirement_table(spec, *results) : "") + "</div>\n";
+  return "<div class=\"head\"><dl class=\"about\">" + rows + "</dl>\n" +
+         (results && !results->empty() ? requirement_table(spec, *results, caption) : "") + "</div>\n";
 }
 
-Bars use_of_limits(const std::vector<Requirement>& requirements,
-                   const std::vector<RequirementResult>& results) {
-  Bars bars{"Part of the limit that is used",
-            "The value over the limit; for a lower limit the limit over the value. A requirement is "
-            "met up to 100 %.",
-            {{"the limit", 1, percent(1)}},
-            {"", "%"},
-            1};
-  for (std::size_t i = 0; i < results.size(); ++i)
-    if (const auto part = part_of_limit(requirements[i], results[i]))
-      bars.bars.push_back({requirements[i].name(), *part, percent(*part), {}, *part > 1 ? 1 : 0});
-  return bars;
+void describe(Page& page, const Spec& spec, const std::optional<std::vector<RequirementResult>>& results,
+              const std::string& caption) {
+  page.spec_file = spec.file;
+  page.spec_text = spec.text;
+  page.about = title_block(spec, results, caption);
 }
 
 }  // namespace qerr::page

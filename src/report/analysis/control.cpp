@@ -67,9 +67,11 @@ double count_of(const Spec& spec, std::size_t joint) {
 /// Half width of the error of a joint's reading that lasts at rest [rad or m].
 double lasting_error(const Spec& spec, std::size_t joint) {
   const Transmission& t = spec.model.transmission;
-  return 0.5 * t.coupling.row(static_cast<Eigen::Index>(joint))
-                   .cwiseAbs()
-                   .dot(widths_at_rest(*spec.model.control, resolutions(t)));
+  Eigen::VectorXd widths = widths_at_rest(*spec.model.control, resolutions(t));
+  for (Eigen::Index j = 0; j < widths.size(); ++j)  // of the own joint, limit_cycle counts it by its slope
+    if (static_cast<std::size_t>(j) != joint)
+      widths[j] += 2 * spec.model.control->joints[static_cast<std::size_t>(j)].reading.of_position;
+  return 0.5 * t.coupling.row(static_cast<Eigen::Index>(joint)).cwiseAbs().dot(widths);
 }
 
 /// A joint's loop at inertias of its range, each evaluated once.
@@ -145,13 +147,15 @@ class LoopOfJoint {
   void set_cycle(LoopAtInertia& l, double inertia, double motion, double torque) {
     const LoopReading& reading = control_.joints[joint_].reading;
     l.cycle = limit_cycle(l.margins, motion, torque, step_, reading, count_, lasting_);
+    // Between two counts the set point is at most half a count from the edge, on which the reading changes.
+    l.cycle.ending_friction = (torque_norm_ + std::abs(control_.joints[joint_].kp)) * lasting_;
     if (reading.play > 0)
       l.cycle.play = play_cycle(loop_of(control_, joint_, inertia), reading.play, reading.behind_play);
   }
 
   const Control control_;
   std::size_t joint_;
-  double count_, lasting_, step_;
+  double count_, lasting_, step_, torque_norm_;
   std::map<double, LoopAtInertia> all_;
 };
 
@@ -514,7 +518,7 @@ std::string degrees(const std::optional<double>& angle) {
 
 std::string hertz(const std::optional<double>& f) { return f ? readable(*f, "Hz") : "-"; }
 
-std::string loop_table(const Spec& spec, const ControlReport& report, const Style& style) {
+ControlTable loop_table(const Spec& spec, const ControlReport& report) {
   std::vector<std::vector<std::string>> rows{{"", "inertia", "gain margin", "phase margin", "bandwidth",
                                               "limit cycle at most", "predicted on a count",
                                               "predicted on an edge", "torque step"}};
@@ -539,25 +543,35 @@ std::string loop_table(const Spec& spec, const ControlReport& report, const Styl
   }
   const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
                                    [](const LoopReport& l) { return l.largest_inertia > l.least_inertia; });
-  std::string of_play;
-  for (const LoopReport& l : report.loops)
-    if (const auto& play = l.cycle.play; l.stable && play)
-      of_play += (of_play.empty() ? "; play is predicted to keep alive: " : ", ") +
-                 shown(spec.model.chain.independent[l.joint].name) + ' ' +
-                 readable(play->amplitude, spec.model.chain.independent[l.joint].prismatic() ? "m" : "rad") +
-                 " at " + hertz(play->frequency);
-  return heading(sampled ? "Loops, at the worst inertia between these ends" : "Loops", style) +
-         fitted_table(rows, style.width) +
-         wrapped(std::string("limit cycle at most: ") +
-                     (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
-                              : "proven, whatever the motion") +
-                     "; predicted: by the describing function of rounding; Coulomb friction above "
-                     "torque.JOINT.worst_case ends one between two counts, where the torque is never larger" +
-                     of_play,
-                 style.width, "  ");
+  std::string of_play, of_friction;
+  for (const LoopReport& l : report.loops) {
+    if (!l.stable) continue;
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const auto& friction = spec.model.control->joints[l.joint].friction;
+    if (l.cycle.on_edge)
+      of_friction += (of_friction.empty() ? "" : ", ") + shown(joint.name) + ' ' +
+                     readable(l.cycle.ending_friction, joint.prismatic() ? "N" : "N m") +
+                     (!friction                             ? ""
+                      : *friction > l.cycle.ending_friction ? " (less than stated)"
+                                                            : " (more than stated)");
+    if (l.cycle.play)
+      of_play += (of_play.empty() ? "; play is predicted to keep alive: " : ", ") + shown(joint.name) + ' ' +
+                 readable(l.cycle.play->amplitude, joint.prismatic() ? "m" : "rad") + " at " +
+                 hertz(l.cycle.play->frequency);
+  }
+  return {
+      sampled ? "Loops, at the worst inertia between these ends" : "Loops",
+      std::move(rows),
+      {std::string("limit cycle at most: ") +
+       (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
+                : "proven, whatever the motion") +
+       "; predicted: by the describing function of rounding, a first harmonic: short pulses may keep "
+       "alive what it does not predict" +
+       (of_friction.empty() ? "" : "; Coulomb friction that ends one between two counts: " + of_friction) +
+       of_play}};
 }
 
-std::string wall_table(const Spec& spec, const ControlReport& report, const Style& style) {
+ControlTable wall_table(const Spec& spec, const ControlReport& report) {
   std::vector<std::vector<std::string>> rows{
       {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
   std::string places;
@@ -571,15 +585,14 @@ std::string wall_table(const Spec& spec, const ControlReport& report, const Styl
       places += (j ? ", " : "") + shown(spec.model.chain.independent[static_cast<std::size_t>(j)].name) +
                 ' ' + significant(w.at[j], 4);
   }
-  return heading("Virtual walls: the least stiffness over the configurations that stays passive", style) +
-         fitted_table(rows, style.width) + wrapped(places, style.width, "  ") +
-         wrapped(
-             "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
-             "of the counts",
-             style.width, "  ");
+  return {"Virtual walls: the least stiffness over the configurations that stays passive",
+          std::move(rows),
+          {places,
+           "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
+           "of the counts"}};
 }
 
-std::string gain_lines(const Spec& spec, const ControlReport& report, const Style& style) {
+std::string gain_line(const Spec& spec, const ControlReport& report) {
   std::string text;
   for (const GainReport& g : report.gains) {
     const IndependentJoint& joint = spec.model.chain.independent[g.joint];
@@ -587,16 +600,10 @@ std::string gain_lines(const Spec& spec, const ControlReport& report, const Styl
             (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
             " (" + g.quantity + ')';
   }
-  return text.empty()
-             ? ""
-             : wrapped("largest kd that meets the requirements, loop open: " + text, style.width, "  ");
+  return text.empty() ? "" : "largest kd that meets the requirements, loop open: " + text;
 }
 
-}  // namespace
-
-namespace {
-
-std::string torque_table(const Spec& spec, const ControlReport& report, const Style& style) {
+ControlTable torque_table(const Spec& spec, const ControlReport& report) {
   const auto& joints = spec.model.chain.independent;
   const bool limited = std::any_of(report.torques.begin(), report.torques.end(),
                                    [](const TorqueReport& t) { return t.relative.has_value(); });
@@ -614,15 +621,30 @@ std::string torque_table(const Spec& spec, const ControlReport& report, const St
     if (limited) rows.back().push_back(t.relative ? significant(100 * *t.relative, 3) + " %" : "-");
     rows.back().push_back(parts);
   }
-  return heading("Torques due to errors, the loops open", style) + fitted_table(rows, style.width);
+  return {"Torques due to errors, the loops open", std::move(rows), {}};
 }
 
 }  // namespace
 
-std::string control_tables(const Spec& spec, const ControlReport& report, const Style& style) {
-  return (report.torques.empty() ? "" : torque_table(spec, report, style)) +
-         (report.loops.empty() ? "" : loop_table(spec, report, style)) + gain_lines(spec, report, style) +
-         (report.walls.empty() ? "" : wall_table(spec, report, style));
+std::vector<ControlTable> control_tables(const Spec& spec, const ControlReport& report) {
+  std::vector<ControlTable> all;
+  if (!report.torques.empty()) all.push_back(torque_table(spec, report));
+  if (!report.loops.empty()) all.push_back(loop_table(spec, report));
+  if (const std::string gains = gain_line(spec, report); !gains.empty()) {
+    if (all.empty()) all.emplace_back();
+    all.back().notes.push_back(gains);
+  }
+  if (!report.walls.empty()) all.push_back(wall_table(spec, report));
+  return all;
+}
+
+std::string control_text(const Spec& spec, const ControlReport& report, const Style& style) {
+  std::string out;
+  for (const ControlTable& table : control_tables(spec, report)) {
+    if (!table.rows.empty()) out += heading(table.title, style) + fitted_table(table.rows, style.width);
+    for (const std::string& note : table.notes) out += wrapped(note, style.width, "  ");
+  }
+  return out;
 }
 
 }  // namespace qerr

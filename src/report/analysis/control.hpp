@@ -75,7 +75,15 @@ bool any_of_control(const Spec&);
 /// One for each unstable loop and each wall that lacks a statement.
 std::vector<std::string> control_warnings(const Spec&, const ControlReport&);
 
-/// The sections of the table; "" without `control`.
-std::string control_tables(const Spec&, const ControlReport&, const Style&);
+/// A table of torques, loops or walls for people, its header first, with remarks below it.
+struct ControlTable {
+  std::string title;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> notes;
+};
+std::vector<ControlTable> control_tables(const Spec&, const ControlReport&);
+
+/// They as sections of a terminal's table.
+std::string control_text(const Spec&, const ControlReport&, const Style&);
 
 }  // namespace qerr

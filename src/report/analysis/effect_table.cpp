@@ -8,8 +8,6 @@
 
 namespace qerr {
 
-namespace {
-
 std::string parameters_text(const Spec& spec, const Effect& effect) {
   std::string text;
   for (const EffectParameter& p : effect_parameters(spec, effect)) {
@@ -24,6 +22,8 @@ std::string parameters_text(const Spec& spec, const Effect& effect) {
   }
   return text;
 }
+
+namespace {
 
 /// The lines, each with its text at the end; below it where the line would be too wide.
 std::string with_texts(const std::string& lines, const std::vector<std::string>& texts, std::size_t width) {

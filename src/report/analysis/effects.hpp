@@ -66,6 +66,9 @@ struct EffectParameter {
 /// The numbers that are given or have defaults, in the order of the row.
 std::vector<EffectParameter> effect_parameters(const Spec&, const Effect&);
 
+/// They for people, without those that have their default: `gap 200 urad`.
+std::string parameters_text(const Spec&, const Effect&);
+
 /// The section of `analyze`: every effect, the errors that it adds at its joint, and its parameters.
 std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Style&);
 

@@ -3,6 +3,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/about.hpp"
+#include "report/analysis/control.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/page/pictures.hpp"
 #include "report/analysis/requirements.hpp"
@@ -49,13 +50,14 @@ std::string requirement_sentence(const Spec& spec, const std::vector<Requirement
   std::size_t i = 0;
   for (std::size_t k = results.size(); k-- > 0;)
     if (!results[k].met) i = k;
-  const std::string kept = margin_text(spec.requirements[i], results[i]);
+  std::string kept = margin_text(spec.requirements[i], results[i]);
+  if (!kept.empty())
+    kept = kept[0] == '-' ? ", beyond its limit by " + kept.substr(1) : ", a margin of " + kept;
   return "; " + page::isolated(limited(spec.requirements[i])) + " is " +
          (results[i].met         ? "met"
           : results[i].undecided ? "not proven"
                                  : "not met") +
-         " with " + readable(results[i].value, spec.requirements[i].unit) +
-         (kept.empty() ? "" : ", a margin of " + kept);
+         " with " + readable(results[i].value, spec.requirements[i].unit) + kept;
 }
 
 /// The error of the tip, the first requirement, and the encoder to improve.
@@ -64,9 +66,10 @@ std::string answer(const Analysis& a, const std::optional<std::vector<Requiremen
   const std::vector<double> budget = encoder_budget(a);
   const auto largest = std::max_element(budget.begin(), budget.end());
   if (largest != budget.end() && *largest > 0)
-    text += "; the largest share of the variance, " + percent(*largest) + ", is due to encoder " +
+    text += "; the first encoder to upgrade is that of " +
             page::isolated(
-                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name);
+                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name) +
+            ", with " + percent(*largest) + " of the variance";
   return text + '.';
 }
 
@@ -88,6 +91,22 @@ std::string summary(const Analysis& a) {
   return page::table({"quantity", "median", "p95", "p99", "max", "proven maximum"}, rows);
 }
 
+/// Torques, loops and walls of a spec with controllers; "" without.
+std::string control_part(const Analysis& a) {
+  std::string out;
+  if (a.control)
+    for (ControlTable& table : control_tables(a.spec, *a.control)) {
+      if (!table.rows.empty()) {
+        std::vector<std::string> header = table.rows.front();
+        header.front() = "name";
+        table.rows.erase(table.rows.begin());
+        out += page::subtitle(table.title) + page::table(header, table.rows);
+      }
+      for (const std::string& note : table.notes) out += page::paragraph(note + '.');
+    }
+  return out;
+}
+
 std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
   try {
     return requirement_results(a);
@@ -98,7 +117,7 @@ std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
 
 }  // namespace
 
-std::string to_html(const Analysis& a, const Style&) {
+page::Page page_of(const Analysis& a) {
   const ConfigurationSample sample = configuration_sample(a);
   const auto results = verdicts_of(a);
   page::Page page{
@@ -110,8 +129,10 @@ std::string to_html(const Analysis& a, const Style&) {
        {"Error over the workspace", workspace_figures(a, sample)},
        {"All figures", summary(a)}},
       a.warnings};
+  if (std::string control = control_part(a); !control.empty())
+    page.sections.insert(page.sections.begin() + 1, {"Torques, loops and walls", std::move(control)});
   describe(page, a.spec, results);
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

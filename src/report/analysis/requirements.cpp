@@ -157,7 +157,9 @@ std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) 
                                   [](const Requirement& r) { return r.proven; });
   if (spec.requirements.empty() || proofs || size(spec.configurations) > quick) return std::nullopt;
   try {
-    return evaluate(spec).results;
+    auto results = evaluate(spec).results;
+    for (RequirementResult& r : results) r.at_max.resize(0);  // of another page
+    return results;
   } catch (const Error&) {
     return std::nullopt;
   }

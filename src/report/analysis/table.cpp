@@ -66,7 +66,7 @@ std::string to_table(const Analysis& a, const Style& style) {
     out +=
         heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);
   return out + (style.details ? detail_tables(a, style) : summary_table(a, style)) +
-         (a.control ? control_tables(a.spec, *a.control, style) : "") + exceedance_tables(a, style) +
+         (a.control ? control_text(a.spec, *a.control, style) : "") + exceedance_tables(a, style) +
          proof_table(a, style);
 }
 

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text.hpp"
+#include "qerr/report/write.hpp"
 #include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
+#include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/prose.hpp"
 #include "report/text_table.hpp"
@@ -16,10 +18,6 @@ namespace qerr {
 
 namespace {
 
-std::string word_of(const RequirementResult& r) {
-  return r.met ? "met" : r.undecided ? "not proven" : "NOT MET";
-}
-
 std::string title_of(const CheckReport& report) {
   const std::size_t count = report.specs.size() + report.broken.size();
   return count == 1 && report.broken.empty()
@@ -27,45 +25,45 @@ std::string title_of(const CheckReport& report) {
              : "Requirements of " + counted(count, "spec");
 }
 
+/// How many requirements of a spec are met, and which takes the largest part of its limit.
+struct Tightest {
+  std::size_t met = 0;
+  std::string requirement = {};  ///< "": no part is known
+  double part = -1;
+};
+
+Tightest tightest_of(const SpecCheck& check) {
+  Tightest t;
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const Requirement& r = check.analysis.spec.requirements[i];
+    t.met += check.results[i].met;
+    if (const auto part = part_of_limit(r, check.results[i]); part && *part > t.part)
+      t.part = *part, t.requirement = limited(r);
+  }
+  return t;
+}
+
 /// One sentence for a design review: how many are met, and which is worst.
 std::string answer_of(const CheckReport& report) {
   std::size_t all = 0, met = 0, worse = 0;
-  const Requirement* tightest = nullptr;
+  Tightest tightest;
   std::string where;
-  double largest = -1;
   for (const SpecCheck& check : report.specs) {
     worse += check.baseline ? check.baseline->regressions.size() : 0;
-    for (std::size_t i = 0; i < check.results.size(); ++i) {
-      const Requirement& r = check.analysis.spec.requirements[i];
-      ++all, met += check.results[i].met;
-      if (const auto part = part_of_limit(r, check.results[i]); part && *part > largest)
-        largest = *part, tightest = &r, where = check.analysis.spec.file;
-    }
+    const Tightest t = tightest_of(check);
+    all += check.results.size(), met += t.met;
+    if (t.part > tightest.part) tightest = t, where = check.analysis.spec.file;
   }
   std::string text = met == all
                          ? "All " + counted(all, "requirement") + " are met"
                          : std::to_string(all - met) + " of " + counted(all, "requirement") + " are not met";
-  if (tightest)
-    text += "; the tightest, " + limited(*tightest) + (report.specs.size() > 1 ? " of " + shown(where) : "") +
-            ", takes " + percent(largest) + " of its limit";
+  if (tightest.part >= 0)
+    text += "; the tightest, " + tightest.requirement +
+            (report.specs.size() > 1 ? " of " + shown(where) : "") + ", takes " + percent(tightest.part) +
+            " of its limit";
   if (worse > 0) text += "; " + counted(worse, "figure") + " worse than in the baseline";
   if (!report.broken.empty()) text += "; " + counted(report.broken.size(), "spec") + " cannot be checked";
   return text + '.';
-}
-
-std::string results_of(const SpecCheck& check) {
-  const Spec& spec = check.analysis.spec;
-  std::vector<std::vector<std::string>> rows;
-  for (std::size_t i = 0; i < check.results.size(); ++i) {
-    const Requirement& r = spec.requirements[i];
-    const RequirementResult& result = check.results[i];
-    const bool located = !r.at_least && result.at_max.size() > 0;
-    rows.push_back({limited(r), word_of(result), readable(result.value, r.unit), margin_text(r, result),
-                    located ? largest_place(check.analysis, result.at_max) : ""});
-  }
-  const page::Bars bars = page::use_of_limits(spec.requirements, check.results);
-  return (bars.bars.size() == 1 ? "" : page::side_by_side(figure(bars))) +
-         page::isolated_table({"requirement", "verdict", "value", "margin", "configuration"}, rows);
 }
 
 std::string baseline_of_page(const BaselineCheck& b) {
@@ -74,7 +72,7 @@ std::string baseline_of_page(const BaselineCheck& b) {
     rows.push_back(
         {f.figure.name(), readable(*f.a, f.figure.unit), readable(*f.b, f.figure.unit), change_text(f)});
   return page::paragraph("Baseline: " + verdict(b) + '.') +
-         (rows.empty() ? "" : page::isolated_table({"figure", "baseline", "now", "change"}, rows));
+         (rows.empty() ? "" : page::table({"figure", "baseline", "now", "change"}, rows));
 }
 
 /// A row for each spec, those that fail first.
@@ -82,19 +80,11 @@ std::string fleet_table(const CheckReport& report) {
   std::vector<std::pair<double, std::vector<std::string>>> rows;
   for (const BrokenSpec& b : report.broken) rows.push_back({INFINITY, {b.file, "CANNOT BE CHECKED"}});
   for (const SpecCheck& check : report.specs) {
-    std::size_t met = 0, tightest = 0;
-    double largest = -1;
-    for (std::size_t i = 0; i < check.results.size(); ++i) {
-      met += check.results[i].met;
-      const auto part = part_of_limit(check.analysis.spec.requirements[i], check.results[i]);
-      if (part && *part > largest) largest = *part, tightest = i;
-    }
-    const std::size_t all = check.results.size();
-    rows.push_back({check.all_met() ? largest : 1e9 + largest,
+    const Tightest t = tightest_of(check);
+    rows.push_back({check.all_met() ? t.part : 1e9 + t.part,
                     {check.analysis.spec.file, check.all_met() ? "met" : "NOT MET",
-                     std::to_string(met) + " of " + std::to_string(all),
-                     largest < 0 ? "" : limited(check.analysis.spec.requirements[tightest]),
-                     largest < 0 ? "" : percent(largest),
+                     std::to_string(t.met) + " of " + std::to_string(check.results.size()), t.requirement,
+                     t.part < 0 ? "" : percent(t.part),
                      check.baseline ? std::to_string(check.baseline->regressions.size()) : ""}});
   }
   std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -108,29 +98,69 @@ std::string fleet_table(const CheckReport& report) {
     row.resize(heads.size());
     cells.push_back(std::move(row));
   }
-  return page::isolated_table(heads, cells);
+  return page::table(heads, cells);
+}
+
+/// What all specs of a fleet have in common.
+std::string fleet_block(const CheckReport& report) {
+  std::string set;
+  if (!report.specs.empty())
+    for (const auto& [key, value] : report.specs.front().analysis.spec.overrides)
+      set += (set.empty() ? "" : ", ") + key + '=' + value;
+  return "<div class=\"head\"><dl class=\"about\"><dt>Specs</dt><dd>" +
+         std::to_string(report.specs.size() + report.broken.size()) + "</dd><dt>Changed by --set</dt><dd>" +
+         page::escaped_markup(set.empty() ? "nothing" : escaped(set, 300)) +
+         "</dd><dt>Computed by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
+}
+
+/// Each warning once, with the specs that it concerns.
+std::vector<std::string> shared_warnings(const CheckReport& report) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  for (const SpecCheck& check : report.specs)
+    for (const std::string& warning : check.analysis.warnings) {
+      auto at = std::find_if(all.begin(), all.end(), [&](const auto& w) { return w.first == warning; });
+      if (at == all.end()) at = all.insert(at, {warning, {}});
+      const std::string& file = check.analysis.spec.file;
+      if (std::find(at->second.begin(), at->second.end(), file) == at->second.end())
+        at->second.push_back(file);
+    }
+  std::vector<std::string> texts;
+  for (const auto& [warning, files] : all) {
+    std::string of;
+    if (files.size() > 1 && files.size() == report.specs.size()) {
+      texts.push_back("all specs: " + warning);
+      continue;
+    }
+    for (const std::string& file : files) of += (of.empty() ? "" : ", ") + file;
+    texts.push_back(of + ": " + warning);
+  }
+  return texts;
 }
 
 }  // namespace
 
-std::string to_html(const CheckReport& report, const Style&) {
+page::Page page_of(const CheckReport& report) {
   page::Page page{title_of(report), answer_of(report), {}};
   const bool fleet = report.specs.size() + report.broken.size() > 1;
-  if (fleet) page.sections.push_back({"All specs", fleet_table(report)});
+  if (fleet) {
+    page.about = fleet_block(report);
+    page.sections.push_back({"All specs", fleet_table(report)});
+    page.warnings = shared_warnings(report);
+  } else {
+    const SpecCheck& only = report.specs.front();
+    describe(page, only.analysis.spec, only.results);
+    page.warnings = only.analysis.warnings;
+  }
   for (const BrokenSpec& b : report.broken)
     page.sections.push_back(
         {shown(b.file), page::paragraph("It cannot be checked: " + std::string(b.error.what()))});
   for (const SpecCheck& check : report.specs) {
     const Spec& spec = check.analysis.spec;
-    page.sections.push_back({fleet ? shown(spec.file) : "Requirements",
-                             results_of(check) + (check.baseline ? baseline_of_page(*check.baseline) : "")});
-    for (const std::string& warning : check.analysis.warnings)
-      if (const std::string text = fleet ? spec.file + ": " + warning : warning;
-          std::find(page.warnings.begin(), page.warnings.end(), text) == page.warnings.end())
-        page.warnings.push_back(text);
+    const std::string body = (fleet ? page::title_block(spec, check.results) : "") +
+                             (check.baseline ? baseline_of_page(*check.baseline) : "");
+    if (!body.empty()) page.sections.push_back({fleet ? shown(spec.file) : "Baseline", body});
   }
-  if (!fleet) page::describe(page, report.specs.front().analysis.spec, report.specs.front().results);
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

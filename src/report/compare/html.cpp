@@ -6,7 +6,6 @@
 #include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/prose.hpp"
@@ -16,8 +15,7 @@ namespace qerr {
 
 namespace {
 
-/// Pictures beyond which a page would be a list.
-constexpr std::size_t most_pictures = 24, most_compared_rows = 400;
+constexpr std::size_t most_compared_rows = 400;
 
 std::string side_text(const NamedFigures& f) {
   std::string text = page::isolated(f.file);
@@ -30,7 +28,8 @@ std::string side_text(const NamedFigures& f) {
 std::string sides(const ReportComparison& c) {
   const auto side = [](const std::string& name, const NamedFigures& f) {
     std::string text = page::escaped_markup(side_text(f));
-    for (const std::string& more : {f.robot, f.sample})
+    const std::string hash = f.sha256.empty() ? "" : "SHA-256 " + f.sha256.substr(0, 12);
+    for (const std::string& more : {hash, f.robot, f.sample})
       if (!more.empty()) text += "<br/>" + page::name_markup(more);
     return "<dt>" + name + "</dt><dd>" + text + "</dd>";
   };
@@ -41,40 +40,25 @@ std::string sides(const ReportComparison& c) {
 /// Bars start at zero: what is unbounded or negative has none.
 bool has_bar(const std::optional<double>& value) { return value && std::isfinite(*value) && *value >= 0; }
 
-std::string pair_of_bars(const FigureChange& f) {
-  page::Bars bars{f.figure.name(), "The figure before (A) and after (B).", {}, {"", f.figure.unit}};
-  bars.bars.push_back({"A", *f.a, readable(*f.a, f.figure.unit)});
-  bars.bars.push_back({"B", *f.b, readable(*f.b, f.figure.unit) + " (" + change_text(f) + ")", {}, 1});
-  return figure(bars);
-}
-
-std::string figure_pictures(const std::vector<FigureChange>& notable) {
-  std::string out;
-  std::size_t drawn = 0, possible = 0;
-  for (const FigureChange& f : notable) {
-    if (!has_bar(f.a) || !has_bar(f.b)) continue;
-    if (++possible <= most_pictures) out += pair_of_bars(f), ++drawn;
-  }
-  if (drawn == 0) return "<p>No figure of both reports has changed in its first three digits.</p>";
-  out = "<div class=\"figures\">" + out + "</div>";
-  if (drawn < possible)
-    out += "<p>The " + std::to_string(drawn) + " largest changes of " + std::to_string(possible) +
-           " are drawn; the table has the others.</p>";
-  return out;
+/// A cell of a figure whose bar has the colour of its side; the larger one of A and B is whole.
+std::string side_cell(const FigureChange& f, bool of_a) {
+  const double value = of_a ? *f.a : *f.b, largest = std::max(*f.a, *f.b);
+  const std::string text = readable(value, f.figure.unit);
+  if (!has_bar(f.a) || !has_bar(f.b) || largest == 0) return page::cell(text);
+  return page::bar_cell(text, value / largest, value, of_a ? 0 : 1);
 }
 
 std::string figure_table(const std::vector<FigureChange>& notable) {
-  std::vector<std::vector<std::string>> rows;
+  if (notable.empty()) return "<p>No figure of both reports has changed in its first three digits.</p>";
+  std::vector<std::string> rows;
   for (const FigureChange& f : notable)
     if (rows.size() < most_compared_rows)
-      rows.push_back(
-          {f.figure.name(), readable(*f.a, f.figure.unit), readable(*f.b, f.figure.unit), change_text(f)});
-  if (rows.empty()) return "";
-  std::string out = page::table({"figure", "A", "B", "change"}, rows);
-  if (rows.size() < notable.size())
-    out +=
-        "<p>The first " + std::to_string(rows.size()) + " of " + counted(notable.size(), "figure") + ".</p>";
-  return out;
+      rows.push_back(page::cell(f.figure.name()) + side_cell(f, true) + side_cell(f, false) +
+                     page::cell(change_text(f)));
+  return page::table_of("changes", {"figure", "A", "B", "change"}, rows) +
+         (rows.size() < notable.size() ? "<p>The first " + std::to_string(rows.size()) + " of " +
+                                             counted(notable.size(), "figure") + ".</p>"
+                                       : "");
 }
 
 /// Which requirement flips first on the way from A to B, or is next to.
@@ -91,40 +75,32 @@ std::string first_flip(const ReportComparison& c) {
   return "No requirement flips.";
 }
 
-std::string flip_picture(const ReportComparison& c) {
-  page::Bars bars{"Part of the change after which a requirement flips",
-                  "The values are taken to change evenly from A to B.",
-                  {{"the whole change", 1, percent(1)}}};
-  for (const RequirementChange& r : c.requirements)
-    if (const auto after = r.flips_after(); after && bars.bars.size() <= most_pictures)
-      bars.bars.push_back({r.any().figure.name() + ", " + flip_text(r), *after, percent(*after)});
-  return bars.bars.size() == 1 ? "" : figure(bars);
-}
-
 std::string requirement_section(const ReportComparison& c) {
   if (c.requirements.empty()) return "<p>Neither report has requirements.</p>";
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> rows;
   for (const RequirementChange& r : c.requirements) {
+    if (rows.size() == most_compared_rows) break;
     const auto after = r.flips_after();
-    if (rows.size() < most_compared_rows)
-      rows.push_back({r.any().figure.name(), judged_text(r.a), judged_text(r.b), flip_text(r),
-                      r.b ? percent(margin(*r.b)) : "", after ? percent(*after) : ""});
+    rows.push_back(page::cell(r.any().figure.name()) + page::cell(judged_text(r.a)) +
+                   page::cell(judged_text(r.b)) + page::cell(flip_text(r)) +
+                   page::cell(r.b ? percent(margin(*r.b)) : "") +
+                   (after ? page::bar_cell(percent(*after), *after, *after) : page::cell("")));
   }
-  return "<p>" + page::escaped_markup(first_flip(c)) + "</p>" + flip_picture(c) +
-         page::table({"requirement", "A", "B", "verdict", "margin in B", "flips after"}, rows);
+  return page::paragraph(first_flip(c)) +
+         page::table_of("flips", {"requirement", "A", "B", "verdict", "margin in B", "flips after"}, rows);
 }
 
-/// A bar of each encoder's share before, and one after.
+/// The encoders' shares before and after, each over the largest one.
 std::string share_section(const ReportComparison& c) {
-  page::Bars bars{"Shares of the tip's mean variance",
-                  "Of each encoder, before (A) and after (B), the largest differences first.",
-                  {}};
-  for (const ShareChange& s : c.shares) {
-    if (bars.bars.size() >= 2 * most_pictures) break;
-    if (has_bar(s.a)) bars.bars.push_back({s.encoder + ", A", *s.a, percent(*s.a)});
-    if (has_bar(s.b)) bars.bars.push_back({s.encoder + ", B", *s.b, percent(*s.b), {}, 1});
-  }
-  return bars.bars.empty() ? "<p>Not in both reports.</p>" : figure(bars);
+  double largest = 0;
+  for (const ShareChange& s : c.shares) largest = std::max({largest, s.a.value_or(0), s.b.value_or(0)});
+  const auto share = [&](const std::optional<double>& value, int colour) {
+    return value && largest > 0 ? page::bar_cell(percent(*value), *value / largest, *value, colour)
+                                : page::cell("-");
+  };
+  std::vector<std::string> rows;
+  for (const ShareChange& s : c.shares) rows.push_back(page::cell(s.encoder) + share(s.a, 0) + share(s.b, 1));
+  return rows.empty() ? "<p>Not in both reports.</p>" : page::table_of("shares", {"encoder", "A", "B"}, rows);
 }
 
 /// Figures of one report only, by quantity.
@@ -141,22 +117,34 @@ std::string single_figures(const ReportComparison& c, bool in_a) {
   return out + (names.size() > most_compared_rows ? ", \u2026" : "") + "</p>";
 }
 
+/// Names of those that flip; "" of none.
+std::string flipped_names(const ReportComparison& c) {
+  constexpr std::size_t most = 4;
+  std::string names;
+  std::size_t count = 0;
+  for (const RequirementChange& r : c.requirements)
+    if (r.flipped() && ++count <= most)
+      names += (names.empty() ? " Flipped: " : "; ") + page::isolated(r.any().figure.name()) + ", " +
+               judged_text(r.b);
+  return names.empty() ? ""
+                       : names + (count > most ? " and " + std::to_string(count - most) + " more." : ".");
+}
+
 }  // namespace
 
-std::string to_html(const ReportComparison& c, const Style&) {
+page::Page page_of(const ReportComparison& c) {
   const std::vector<FigureChange> notable = notable_figures(c);
   std::string sentence = comparison_sentence(c);
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   page::Page page{
       "Comparison of two reports",
-      sentence + ".",
+      sentence + "." + flipped_names(c),
       {{"Requirements", requirement_section(c)},
-       {"Before and after", figure_pictures(notable)},
-       {"Shares of the encoders", share_section(c)},
-       {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)}},
+       {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)},
+       {"Shares of the encoders in the tip's mean variance", share_section(c)}},
       c.warnings};
   page.about = sides(c);
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

@@ -252,6 +252,7 @@ void read_origin(const ReportMember& report, NamedFigures& to) {
     for (const ReportMember& change : set->items())
       to.changes.push_back(change.at("key").text() + '=' + change.at("value").text());
   if (const auto file = report.at("spec").find("file")) to.spec = file->text();
+  if (const auto hash = report.at("spec").find("sha256")) to.sha256 = hash->text();
   if (const auto robot = report.find("robot"))
     to.robot = robot->at("name").text() + ", " + robot->at("base").text() + " -> " + robot->at("tip").text();
   if (const auto sample = report.find("configurations"))

@@ -18,21 +18,21 @@ bool by_bits(const DesignReport& r) { return r.by_bits; }
 
 std::string paragraph(const std::string& text) { return "<p>" + page::escaped_markup(text) + "</p>"; }
 
+/// Each joint's encoder with what it takes of the sum.
 std::string encoder_table(const DesignReport& r, const Design& d) {
   if (d.encoders.empty()) return "";
-  std::vector<std::vector<std::string>> rows;
-  for (const DesignedEncoder& e : d.encoders)
-    rows.push_back({e.joint, e.name, priced(e.price, r.price_unit), fixed_point(e.bits, 2)});
-  page::Bars bars{by_bits(r) ? "Bits of each joint" : "Price of each joint",
-                  "What each joint takes of the sum.",
-                  {},
-                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
-  for (const DesignedEncoder& e : d.encoders)
-    if (by_bits(r) || e.price)
-      bars.bars.push_back({e.joint + ": " + e.name, by_bits(r) ? e.bits : *e.price,
-                           by_bits(r) ? bits_text(e.bits) : priced(e.price, r.price_unit)});
-  const std::string rows_table = page::table({"joint", "encoder", "price", "bits at the joint"}, rows);
-  return bars.bars.empty() ? rows_table : page::side_by_side("<div>" + rows_table + "</div>" + figure(bars));
+  const auto cost = [&](const DesignedEncoder& e) { return by_bits(r) ? e.bits : e.price.value_or(0); };
+  double largest = 0;
+  for (const DesignedEncoder& e : d.encoders) largest = std::max(largest, cost(e));
+  std::vector<std::string> rows;
+  for (const DesignedEncoder& e : d.encoders) {
+    const auto paid = [&](const std::string& text, bool counts) {
+      return counts && largest > 0 ? page::bar_cell(text, cost(e) / largest, cost(e)) : page::cell(text);
+    };
+    rows.push_back(page::cell(e.joint) + page::cell(e.name) + paid(fixed_point(e.bits, 2), by_bits(r)) +
+                   paid(priced(e.price, r.price_unit), !by_bits(r)));
+  }
+  return page::table_of("pays", {"joint", "encoder", "bits at the joint", "price"}, rows);
 }
 
 std::string filter_paragraphs(const Design& d) {
@@ -50,23 +50,6 @@ std::string chosen_section(const DesignReport& r, const Design& d) {
   if (!d.encoders.empty())
     out += paragraph("Together " + (d.price ? priced(d.price, r.price_unit) + ", " : "") + bits_text(d.bits) +
                      '.');
-  return out;
-}
-
-std::string margin_section(const DesignReport& r, const Design& d) {
-  if (d.results.empty()) return "<p>The spec has no requirements.</p>";
-  std::vector<std::vector<std::string>> rows;
-  for (std::size_t i = 0; i < d.results.size(); ++i) {
-    const Requirement& q = r.spec.requirements[i];
-    rows.push_back({q.name(), readable(d.results[i].value, q.unit),
-                    std::string(q.at_least ? "at least " : "at most ") + readable(q.limit, q.unit),
-                    margin_text(q, d.results[i]), d.results[i].met ? "met" : "NOT MET"});
-  }
-  const page::Bars bars = page::use_of_limits(r.spec.requirements, d.results);
-  std::string out = (bars.bars.size() == 1 ? "" : figure(bars)) +
-                    page::table({"requirement", "value", "limit", "margin", "verdict"}, rows);
-  for (const std::size_t i : r.without_influence)
-    out += "<p>No option changes " + page::name_markup(r.spec.requirements[i].name()) + ".</p>";
   return out;
 }
 
@@ -104,6 +87,26 @@ std::string front_list(const DesignReport& r) {
   return "<details><summary>Designs of the front</summary>" +
          page::table({"encoders", by_bits(r) ? "bits" : "price", r.pareto_figure, "proven"}, rows) +
          "</details>";
+}
+
+/// The cheapest design of the front beyond the optimum, and what it changes; "" if there is none.
+std::string next_step(const DesignReport& r) {
+  const Design& d = *r.optimal;
+  const auto now = front_value(r, d);
+  for (const ParetoPoint& p : r.pareto) {
+    const double more = by_bits(r) ? p.bits - d.bits : p.price.value_or(0) - d.price.value_or(0);
+    if (!(more > 0) || (now && p.value >= *now)) continue;
+    std::string changes;
+    for (std::size_t i = 0; i < std::min(p.encoders.size(), d.encoders.size()); ++i)
+      if (p.encoders[i].name != d.encoders[i].name)
+        changes += (changes.empty() ? " with " : ", ") + page::isolated(p.encoders[i].joint) + ' ' +
+                   page::isolated(p.encoders[i].name);
+    return "The next better step costs " + (by_bits(r) ? bits_text(more) : priced(more, r.price_unit)) +
+           " more" + changes + ": " + page::isolated(r.pareto_figure) + ' ' +
+           readable(p.value, r.pareto_unit) + (now ? " in place of " + readable(*now, r.pareto_unit) : "") +
+           '.';
+  }
+  return "";
 }
 
 std::string front_section(const DesignReport& r) {
@@ -146,6 +149,8 @@ std::string price_section(const DesignReport& r) {
     else
       none += "<p>No price is known with " + page::name_markup(name) + " relaxed.</p>";
   }
+  for (const std::size_t i : r.without_influence)
+    none += "<p>No option changes " + page::name_markup(r.spec.requirements[i].name()) + ".</p>";
   if (bars.bars.size() == 1) return none + "<p>No requirement has been relaxed.</p>";
   return figure(bars) + none;
 }
@@ -161,34 +166,33 @@ page::Page infeasible_page(const DesignReport& r) {
   page::Page page{"Design of " + r.spec.robot_name,
                   r.proven ? "No design meets the requirements." : "No design was found.",
                   {{"What hinders", hindrances(r)}}};
-  if (r.finest) {
-    page.sections.push_back(
-        {"Requirements with the design that is nearest to all limits", margin_section(r, *r.finest)});
-    page.sections.push_back({"That design", chosen_section(r, *r.finest)});
-  }
+  if (r.finest)
+    page.sections.push_back({"The design that is nearest to all limits", chosen_section(r, *r.finest)});
   return page;
 }
 
 page::Page feasible_page(const DesignReport& r) {
   const Design& d = *r.optimal;
   std::string answer = "The optimum is the " + optimum_sentence(r);
+  const std::string next = next_step(r);
   if (r.budget) answer += "; the budget is " + priced(*r.budget, r.price_unit);
   return {"Design of " + r.spec.robot_name,
-          answer + '.',
+          answer + '.' + (next.empty() ? "" : ' ' + next),
           {{"What to choose",
             chosen_section(r, d) + (r.runner_up ? paragraph("The " + runner_up_sentence(r) + '.') : "")},
-           {"Requirements and their margins", margin_section(r, d)},
-           {"What each requirement costs", price_section(r)},
-           {"What each step of accuracy costs", front_section(r)}}};
+           {"What each step of accuracy costs", front_section(r)},
+           {"What each requirement costs", price_section(r)}}};
 }
 
 }  // namespace
 
-std::string to_html(const DesignReport& r, const Style&) {
+page::Page page_of(const DesignReport& r) {
   page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
   page.warnings = r.warnings;
-  describe(page, r.spec, r.optimal ? std::optional(r.optimal->results) : std::nullopt);
-  return markup(page);
+  const auto& judged = r.optimal ? r.optimal : r.finest;
+  describe(page, r.spec, judged ? std::optional(judged->results) : std::nullopt,
+           r.optimal ? "The optimum" : "The design that is nearest to all limits");
+  return page;
 }
 
 }  // namespace qerr

@@ -30,7 +30,7 @@ std::string in_one_line(const std::string& lines) {
 
 }  // namespace
 
-std::string to_html(const DiagnosisReport& r, const Style&) {
+page::Page page_of(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   page::Page page{"Diagnosis of " + r.spec.robot_name,
                   page::isolated_runs(verdict_title(d) + ": " + verdict_words(r) + "."),
@@ -42,6 +42,7 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   };
   add("Causes", causes_part(r));
   add("Sizes of the causes", parameters_part(r));
+  add("What to record next", next_part(r));
   const auto before_and_after = static_cast<std::ptrdiff_t>(page.sections.size());
   add("What remains", remainder_part(r));
   add("What the record would have shown", visible_part(r));
@@ -51,7 +52,7 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   if (std::string residuals = residuals_part(r, page::bytes_left(page)); !residuals.empty())
     page.sections.insert(page.sections.begin() + before_and_after,
                          {"Before and after", std::move(residuals)});
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

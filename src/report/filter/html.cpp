@@ -26,59 +26,46 @@ int points_of_line(std::size_t filters, int usual) {
       least, usual * static_cast<int>(usual_filters) / static_cast<int>(std::max(filters, usual_filters)));
 }
 
-/// Gain over frequency beside that of the derivative itself, (2 pi f)^d.
-std::string gain_figure(const FilterFigures& f, std::size_t filters) {
+/// Gain beside that of the derivative itself, (2 pi f)^d, and phase behind that of (i 2 pi f)^d, without
+/// jumps: a constant delay T is a phase of -360 f T degrees.
+std::string response_figures(const FilterFigures& f, std::size_t filters) {
   const int points = points_of_line(filters, 160);
-  const double last = 0.5 * f.filter.sample_rate;
+  const double last = 0.499 * f.filter.sample_rate;
   const double first = std::min(1e-3 * f.filter.sample_rate, 1e-2 * f.bandwidth.value_or(last));
-  page::Series gain{"filter", {}}, ideal{"ideal derivative", {}};
-  if (f.filter.derivative == 0) ideal.name = "ideal position";
+  page::Series gain{"filter", {}},
+      phase = gain, delay{"constant delay of " + readable(f.group_delay, "s"), {}},
+      ideal{f.filter.derivative == 0 ? "ideal position" : "ideal derivative", {}};
+  double turns = 0, before = 0, peak = 0, lowest = 0;
   for (int i = 0; i <= points; ++i) {
     const double frequency = first * std::pow(last / first, static_cast<double>(i) / points);
-    gain.points.emplace_back(frequency, std::abs(response(f.filter, frequency)));
-    ideal.points.emplace_back(frequency, std::pow(2 * std::numbers::pi * frequency, f.filter.derivative));
-  }
-  // Zeros of the response would stretch the logarithmic axis without bound: four decades below the peak is
-  // far below what passes.
-  double peak = 0;
-  for (const auto& [x, y] : gain.points) peak = std::max(peak, y);
-  std::erase_if(gain.points, [&](const auto& p) { return p.second < 1e-4 * peak; });
-  return figure(page::Plot{"Gain of " + f.name,
-                           "Magnitude of the response over frequency, beside the ideal derivative.",
-                           {"frequency", "Hz", true},
-                           {"gain", rate_unit(f.filter.derivative), true},
-                           {gain, ideal}});
-}
-
-/// Phase behind that of the derivative itself, (i 2 pi f)^d, without jumps: a constant delay T is a phase of
-/// -360 f T degrees.
-std::string phase_figure(const FilterFigures& f, std::size_t filters) {
-  const int points = points_of_line(filters, 160);
-  const double last = 0.49 * f.filter.sample_rate;
-  const double first = std::min(1e-3 * f.filter.sample_rate, 1e-2 * f.bandwidth.value_or(last));
-  page::Series phase{"filter", {}}, delay{"constant delay of " + readable(f.group_delay, "s"), {}};
-  double turns = 0, before = 0;
-  for (int i = 0; i <= points; ++i) {
-    const double frequency = first * std::pow(last / first, static_cast<double>(i) / points);
-    const std::complex<double> ideal =
-        std::pow(std::complex<double>(0, 2 * std::numbers::pi * frequency), f.filter.derivative);
-    const double angle = std::arg(response(f.filter, frequency) / ideal) * 180 / std::numbers::pi;
+    const std::complex<double> value = response(f.filter, frequency),
+                               wanted = std::pow(std::complex<double>(0, 2 * std::numbers::pi * frequency),
+                                                 f.filter.derivative);
+    gain.points.emplace_back(frequency, std::abs(value));
+    ideal.points.emplace_back(frequency, std::abs(wanted));
+    const double angle = std::arg(value / wanted) * 180 / std::numbers::pi;
     if (i > 0) turns -= std::round((angle - before) / 360);
     before = angle;
     phase.points.emplace_back(frequency, angle + 360 * turns);
     delay.points.emplace_back(frequency, -360 * frequency * f.group_delay);
+    peak = std::max(peak, std::abs(value)), lowest = std::min(lowest, phase.points.back().second);
   }
-  // Far beyond the band the line of the delay would stretch the axis.
-  double lowest = 0;
-  for (const auto& [x, y] : phase.points) lowest = std::min(lowest, y);
+  // Zeros of the response would stretch the logarithmic axis without bound: four decades below the peak is
+  // far below what passes. Far beyond the band the line of the delay would stretch the other.
+  std::erase_if(gain.points, [&](const auto& p) { return p.second < 1e-4 * peak; });
   std::erase_if(delay.points, [&](const auto& p) { return p.second < 1.2 * lowest - 1; });
-  return figure(
-      page::Plot{"Phase of " + f.name,
-                 "Phase of the response over frequency behind the ideal derivative, beside that of a "
-                 "constant delay.",
-                 {"frequency", "Hz", true},
-                 {"phase", "deg", false, false},
-                 {phase, delay}});
+  const page::AxisRange over{"frequency", "Hz", true};
+  return figure(page::Plot{"Gain of " + f.name,
+                           "Magnitude of the response over frequency, beside the ideal derivative.",
+                           over,
+                           {"gain", rate_unit(f.filter.derivative), true},
+                           {gain, ideal}}) +
+         figure(page::Plot{"Phase of " + f.name,
+                           "Phase of the response over frequency behind the ideal derivative, beside that of "
+                           "a constant delay.",
+                           over,
+                           {"phase", "deg", false, false},
+                           {phase, delay}});
 }
 
 /// Samples until the answer has settled; of a long one every n-th.
@@ -95,33 +82,25 @@ Span span_of(const FilterFigures& f, std::size_t filters) {
   return {static_cast<std::size_t>(wanted / every), static_cast<std::size_t>(every)};
 }
 
-std::string impulse_figure(const FilterFigures& f, std::size_t filters) {
-  const Span s = span_of(f, filters);
-  const std::vector<double> h = impulse_response(f.filter, s.count, s.every);
-  page::Series series{"impulse response", {}};
-  for (std::size_t k = 0; k < h.size(); ++k)
-    series.points.emplace_back(static_cast<double>(k * s.every) / f.filter.sample_rate, h[k]);
-  return figure(page::Plot{"Impulse response of " + f.name,
-                           "Answer to a sample of 1 among zeros.",
-                           {"time", "s"},
-                           {"answer", rate_unit(f.filter.derivative)},
-                           {series}});
-}
-
-std::string step_figure(const FilterFigures& f, std::size_t filters) {
+/// Answers to a sample of 1 among zeros and to a step of 1.
+std::string answer_figures(const FilterFigures& f, std::size_t filters) {
   const Span s = span_of(f, filters);
   const std::vector<double> h = impulse_response(f.filter, s.count * s.every);
-  page::Series series{"step response", {}};
+  page::Series impulse{"impulse response", {}}, step{"step response", {}};
   double sum = 0;
   for (std::size_t k = 0; k < h.size(); ++k) {
     sum += h[k];
-    if (k % s.every == 0) series.points.emplace_back(static_cast<double>(k) / f.filter.sample_rate, sum);
+    if (k % s.every != 0) continue;
+    impulse.points.emplace_back(static_cast<double>(k) / f.filter.sample_rate, h[k]);
+    step.points.emplace_back(static_cast<double>(k) / f.filter.sample_rate, sum);
   }
-  return figure(page::Plot{"Step response of " + f.name,
-                           "Answer to a step of 1.",
-                           {"time", "s"},
-                           {"answer", rate_unit(f.filter.derivative)},
-                           {series}});
+  const page::AxisRange time{"time", "s"}, answer{"answer", rate_unit(f.filter.derivative)};
+  return figure(page::Plot{"Impulse response of " + f.name,
+                           "Answer to a sample of 1 among zeros.",
+                           time,
+                           answer,
+                           {impulse}}) +
+         figure(page::Plot{"Step response of " + f.name, "Answer to a step of 1.", time, answer, {step}});
 }
 
 std::string norm_rows(const FilterReport& r) {
@@ -171,14 +150,13 @@ std::string answer(const FilterReport& r) {
 
 }  // namespace
 
-std::string to_html(const FilterReport& r, const Style&) {
+page::Page page_of(const FilterReport& r) {
   using Choices = std::vector<std::pair<std::string, std::string>>;
   Choices filters;
   const std::size_t count = r.filters.size();
   for (const FilterFigures& f : r.filters) {
-    filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f, count) +
-                                     phase_figure(f, count) + impulse_figure(f, count) +
-                                     step_figure(f, count) + "</div>");
+    filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + response_figures(f, count) +
+                                     answer_figures(f, count) + "</div>");
   }
   page::Page page{"Filters of " + r.spec.file,
                   answer(r),
@@ -187,7 +165,7 @@ std::string to_html(const FilterReport& r, const Style&) {
                    {"Cut-off and responses", page::choice("Filter", filters)}},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

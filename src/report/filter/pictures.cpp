@@ -111,13 +111,21 @@ std::vector<ScannedFilter> front_of(const std::vector<const FilterFigures*>& fil
   return undominated(std::move(all));
 }
 
-std::string front_table(const std::vector<ScannedFilter>& front, const std::string& unit) {
+/// The quietest low-pass within each of some round delays, around those of the spec's filters.
+std::string delay_table(const std::vector<ScannedFilter>& front, double most, const std::string& unit) {
   std::vector<std::vector<std::string>> rows;
-  for (const ScannedFilter& f : front)
-    rows.push_back({f.name, f.cutoff ? readable(*f.cutoff, "Hz") : "none", readable(f.delay, "s"),
-                    readable(f.h2, unit)});
-  return "<details><summary>Filters of the front</summary>" +
-         page::table({"filter", "cut-off", "delay", "H2 norm"}, rows) + "</details>";
+  for (int decade = -7; decade < 3; ++decade)
+    for (const double digit : {1.0, 2.0, 3.0, 5.0}) {
+      const double delay = digit * std::pow(10, decade);
+      const auto after = std::find_if(front.begin(), front.end(),
+                                      [&](const ScannedFilter& f) { return f.delay > delay * (1 + 1e-9); });
+      if (after == front.begin() || delay > most) continue;
+      const ScannedFilter& f = *(after - 1);
+      if (f.delay <= 0 || f.delay < 0.1 * delay) continue;
+      rows.push_back({readable(delay, "s"), f.name + (f.cutoff ? " at " + readable(*f.cutoff, "Hz") : ""),
+                      readable(f.delay, "s"), readable(f.h2, unit)});
+    }
+  return rows.empty() ? "" : page::table({"delay up to", "quietest low-pass", "has", "H2 norm"}, rows);
 }
 
 /// @param title  of the picture
@@ -149,7 +157,9 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
     line.points.emplace_back(front[i].delay, front[i].h2);
   }
   plot.series.push_back(line);
-  return "<div>" + figure(plot) + early + (front.empty() ? "" : front_table(front, unit)) + "</div>";
+  double slowest = 0;
+  for (const FilterFigures* f : filters) slowest = std::max(slowest, 3 * f->group_delay);
+  return "<div>" + figure(plot) + early + delay_table(front, slowest, unit) + "</div>";
 }
 
 }  // namespace

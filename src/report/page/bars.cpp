@@ -48,32 +48,24 @@ std::string chart_begin(const std::string& title, const std::string& description
          escaped_markup(description) + "</desc><path class=\"grid\" d=\"" + grid + "\"/>" + labels;
 }
 
-std::string drawn_row(const std::string& name, const std::string& text, const std::string& data,
-                      const std::string& inside, double y) {
-  const double free = chart_width - 2 * margin - gap - font * text_width(text);
-  return "<g class=\"row\" data-name=\"" + escaped_markup(name) + '"' + data + "><title>" +
-         escaped_markup(name + ": " + text) + "</title><text class=\"name\" x=\"" + drawn(margin) +
-         "\" y=\"" + drawn(y + 11) + "\">" + escaped_markup(fitted(name, free, font)) +
-         "</text><text class=\"end\" x=\"" + drawn(chart_width - margin) + "\" y=\"" + drawn(y + 11) + "\">" +
-         escaped_markup(text) + "</text>" + inside + "</g>";
-}
-
-std::string drawn_rectangle(double from, double to, double y, int colour) {
-  return "<rect class=\"bar s" + std::to_string(colour) + "\" x=\"" + drawn(from) + "\" y=\"" +
-         drawn(y + bar_top) + "\" width=\"" + drawn(to - from) + "\" height=\"" + drawn(bar_height) + "\"/>";
-}
-
 std::string drawn_bar(const Bar& bar, double y, const BarAxis& a) {
-  std::string inside = drawn_rectangle(a.at(0), a.at(bar.value), y, bar.colour);
+  const double free = chart_width - 2 * margin - gap - font * text_width(bar.text);
+  std::string out =
+      "<g class=\"row\" data-name=\"" + escaped_markup(bar.name) + '"' +
+      data_attribute("data-value", bar.value) + "><title>" + escaped_markup(bar.name + ": " + bar.text) +
+      "</title>" + drawn_text(margin, y + 11, "name", fitted(bar.name, free, font)) +
+      drawn_text(chart_width - margin, y + 11, "end", bar.text) + "<rect class=\"bar s" +
+      std::to_string(bar.colour) + "\" x=\"" + drawn(a.at(0)) + "\" y=\"" + drawn(y + bar_top) +
+      "\" width=\"" + drawn(a.at(bar.value) - a.at(0)) + "\" height=\"" + drawn(bar_height) + "\"/>";
   if (bar.error) {
     const double from = a.at(bar.error->first), to = a.at(bar.error->second);
     const double middle = y + bar_top + 0.5 * bar_height;
-    inside += "<path class=\"error\"" + data_attribute("data-from", bar.error->first) +
-              data_attribute("data-to", bar.error->second) + " d=\"M" + drawn(from) + ' ' + drawn(middle) +
-              'H' + drawn(to) + 'M' + drawn(from) + ' ' + drawn(middle - 3) + "v6M" + drawn(to) + ' ' +
-              drawn(middle - 3) + "v6\"/>";
+    out += "<path class=\"error\"" + data_attribute("data-from", bar.error->first) +
+           data_attribute("data-to", bar.error->second) + " d=\"M" + drawn(from) + ' ' + drawn(middle) + 'H' +
+           drawn(to) + 'M' + drawn(from) + ' ' + drawn(middle - 3) + "v6M" + drawn(to) + ' ' +
+           drawn(middle - 3) + "v6\"/>";
   }
-  return drawn_row(bar.name, bar.text, data_attribute("data-value", bar.value), inside, y);
+  return out + "</g>";
 }
 
 }  // namespace
@@ -90,31 +82,6 @@ std::string figure(const Bars& b) {
     out += drawn_line(a.at(*b.limit), row_top + bar_top - 1, a.at(*b.limit),
                       row_top + bar_top + bar_height + 1, "limit");
   return out + "</svg></figure>\n";
-}
-
-std::string figure(const Waterfall& w) {
-  std::vector<double> products{w.start};
-  for (const WaterfallFactor& f : w.factors) products.push_back(products.back() * f.value);
-  const BarAxis a =
-      bar_axis(*std::max_element(products.begin(), products.end()), {"", w.unit}, products.size() + 1);
-  const auto end = [&](const std::string& name, double value, double y) {
-    return drawn_row(name, readable(value, w.unit), data_attribute("data-value", value),
-                     drawn_rectangle(a.at(0), a.at(value), y, 0), y);
-  };
-  double y = 0;
-  std::string out = chart_begin(w.title, w.description, a) + end(w.first, products.front(), y);
-  for (std::size_t i = 0; i < w.factors.size(); ++i) {
-    const double from = products[i], to = products[i + 1], least = std::min(from, to),
-                 most = std::max(from, to);
-    y += row;
-    // A factor of 1 is a line.
-    out += drawn_row(
-        w.factors[i].name, "\u00d7 " + significant(w.factors[i].value, 4),
-        data_attribute("data-value", w.factors[i].value) + data_attribute("data-from", from) +
-            data_attribute("data-to", to),
-        drawn_rectangle(a.at(least), std::max(a.at(most), a.at(least) + 1), y, to > from ? 1 : 2), y);
-  }
-  return out + end(w.last, products.back(), y + row) + "</svg></figure>\n";
 }
 
 }  // namespace qerr::page

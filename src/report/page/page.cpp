@@ -1,19 +1,45 @@
 #include "report/page/page.hpp"
 
+#include <algorithm>
+
+#include "core/text.hpp"
 #include "report/page/markup.hpp"
+#include "report/page/prose.hpp"
 
 namespace qerr::page {
 
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
-  std::string out = "<div class=\"wide\"><table><thead><tr>";
-  for (const std::string& cell : header) out += "<th scope=\"col\">" + escaped_markup(cell) + "</th>";
+std::string json_script(std::string json, const std::string& attributes) {
+  for (std::size_t i = 0; (i = json.find_first_of("<>&", i)) != std::string::npos;)
+    json.replace(i, 1, json[i] == '<' ? "\\u003c" : json[i] == '>' ? "\\u003e" : "\\u0026");
+  return "<script type=\"application/json\"" + attributes + '>' + json + "</script>";
+}
+
+std::string bar_cell(const std::string& text, double part, double value, int colour) {
+  return "<td class=\"use " + (part > 1 ? "over" : 's' + std::to_string(colour)) + '"' +
+         data_attribute("data-value", value) +
+         " style=\"--p:" + significant(100 * std::clamp(part, 0.0, 1.0), 4) + "%\">" + escaped_markup(text) +
+         "</td>";
+}
+
+std::string cell(const std::string& text) { return "<td>" + name_markup(text) + "</td>"; }
+
+std::string table_of(std::string_view style, const std::vector<std::string>& header,
+                     const std::vector<std::string>& rows) {
+  std::string out = "<div class=\"wide\"><table class=\"" + std::string(style) + "\"><thead><tr>";
+  for (const std::string& head : header)
+    out += "<th scope=\"col\">" + escaped_markup(isolated_runs(head)) + "</th>";
   out += "</tr></thead><tbody>\n";
-  for (const auto& row : rows) {
-    out += "<tr>";
-    for (const std::string& cell : row) out += "<td>" + name_markup(cell) + "</td>";
-    out += "</tr>\n";
-  }
+  for (const std::string& row : rows) out += "<tr>" + row + "</tr>\n";
   return out + "</tbody></table></div>\n";
+}
+
+std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::string> marked;
+  for (const auto& row : rows) {
+    marked.emplace_back();
+    for (const std::string& text : row) marked.back() += cell(isolated_runs(text));
+  }
+  return table_of("plain", header, marked);
 }
 
 std::string choice(const std::string& label,
@@ -47,6 +73,7 @@ std::string markup(const Page& page) {
   if (!page.spec_text.empty())
     out += "<details><summary>Spec " + name_markup(page.spec_file) + "</summary><pre>" +
            escaped_markup(page.spec_text) + "</pre></details>\n";
+  if (!page.report.empty()) out += json_script(page.report, " id=\"report\"");
   return out + "</main><script>//<![CDATA[\n" + std::string(script) + "//]]></script></body></html>\n";
 }
 

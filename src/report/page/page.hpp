@@ -22,7 +22,26 @@ struct Page {
   std::vector<std::string> warnings = {};
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
   std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
+  std::string report = {};                     ///< JSON of the command, for scripts that read the page
 };
+
+/// JSON within a page, which scripts read: no markup and no end of a section begins in it.
+/// @param attributes  of its element, such as ` id="report"`
+std::string json_script(std::string json, const std::string& attributes = "");
+
+/// A cell with a bar below its text.
+/// @param part    of the cell's width; beyond 1 in the colour of what fails
+/// @param value   that the text stands for [SI]
+/// @param colour  of those of lines
+std::string bar_cell(const std::string& text, double part, double value, int colour = 0);
+
+/// A cell of text; "" and names keep their writing direction to themselves.
+std::string cell(const std::string& text);
+
+/// A table whose rows are cells as markup.
+/// @param style  its class
+std::string table_of(std::string_view style, const std::vector<std::string>& header,
+                     const std::vector<std::string>& rows);
 
 /// A table for people and screen readers. The cells are text.
 std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);

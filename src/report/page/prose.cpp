@@ -47,13 +47,6 @@ std::string isolated_runs(const std::string& text) {
 
 std::string isolated(const std::string& name) { return "\u2068" + name + "\u2069"; }
 
-std::string isolated_table(std::vector<std::string> header, std::vector<std::vector<std::string>> rows) {
-  for (std::string& cell : header) cell = isolated_runs(cell);
-  for (auto& row : rows)
-    for (std::string& cell : row) cell = isolated_runs(cell);
-  return table(header, rows);
-}
-
 std::string paragraph(const std::string& text) {
   return text.empty() ? "" : "<p>" + escaped_markup(isolated_runs(text)) + "</p>\n";
 }

@@ -24,9 +24,6 @@ std::string list(const std::vector<std::string>& items);
 /// A title within a section. @param name  text
 std::string subtitle(const std::string& name);
 
-/// As page::table, with isolated runs in its cells.
-std::string isolated_table(std::vector<std::string> header, std::vector<std::vector<std::string>> rows);
-
 /// The axis of a time that ends at `last` [s]: a thousand seconds are not a kilosecond.
 AxisRange time_axis(double last);
 

@@ -562,7 +562,7 @@ function scene(box) {
     const p = poses[i], row = (...cells) => made('tr', {}, ...cells.map((c, k) => made(k ? 'td' : 'th', k ? {} : {scope: 'row'}, c)));
     const head = made('tr', {}, ...['', 'x', 'y', 'z'].map(c => made(c ? 'th' : 'td', c ? {scope: 'col'} : {}, c)));
     says.replaceChildren(
-      made('div', {}, data.encoders.map((e, k) => e.name + ' ' + (e.prismatic ? quantity(p.q[k], 'm') : (p.q[k] * 180 / Math.PI).toFixed(1) + ' deg')).join(', ')),
+      made('div', {}, data.encoders.map((e, k) => e.name + ' ' + (e.prismatic ? quantity(p.q[k], 'm') : (p.q[k] * 180 / Math.PI).toFixed(1) + ' deg')).join(', ') + (data.rows[i] ? '; row ' + data.rows[i] + ' of --per-configuration' : '')),
       made('table', {}, head, row('tip', ...p.tip.map(v => quantity(v, 'm'))),
            row('sigma', ...[0, 1, 2].map(k => quantity(Math.sqrt(p.covariance[k][k]), 'm'))),
            row('worst', ...p.worst.map(v => Number.isFinite(v) ? quantity(v, 'm') : 'unbounded'))));

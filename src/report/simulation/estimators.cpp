@@ -121,7 +121,7 @@ std::string estimator_figures(const SimulationReport& r) {
     }
     if (!plot.series.empty()) out += figure(plot);
   }
-  return page::side_by_side(out) + page::isolated_table(heads, rows) + page::paragraph(legend);
+  return page::side_by_side(out) + page::table(heads, rows) + page::paragraph(legend);
 }
 
 std::string estimator_csv(const SimulationReport& r) {

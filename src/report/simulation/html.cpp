@@ -4,6 +4,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/about.hpp"
+#include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
@@ -60,30 +61,44 @@ std::string simulation_answer(const SimulationReport& r) {
 
 /// Two tables, which fit a printed page.
 std::string figure_tables(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> sigmas, peaks;
+  std::vector<std::vector<std::string>> sigmas;
+  std::vector<std::string> peaks;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
-    sigmas.push_back(
-        {label_of(named), readable(s.sigma_simulated, named.shown_unit),
-         readable(s.sigma_lower, named.shown_unit) + " .. " + readable(s.sigma_upper, named.shown_unit),
-         readable(s.sigma_ipqn, named.shown_unit), readable(s.sigma_ipqn_path, named.shown_unit),
-         readable(s.sigma_exact, named.shown_unit)});
-    peaks.push_back({label_of(named), readable(s.mean_simulated, named.shown_unit),
-                     readable(s.peak_simulated, named.shown_unit), readable(s.worst_case, named.shown_unit),
-                     readable(s.worst_case_path, named.shown_unit)});
+    const auto text = [&](double value) { return readable(value, named.shown_unit); };
+    const std::string name = label_of(named);
+    sigmas.push_back({name, text(s.sigma_simulated), text(s.sigma_lower) + " .. " + text(s.sigma_upper),
+                      text(s.sigma_ipqn), text(s.sigma_ipqn_path), text(s.sigma_exact)});
+    const bool bounded = s.worst_case_path > 0 && std::isfinite(s.worst_case_path);
+    peaks.push_back(page::cell(page::isolated_runs(name)) + page::cell(text(s.mean_simulated)) +
+                    (bounded ? page::bar_cell(text(s.peak_simulated), s.peak_simulated / s.worst_case_path,
+                                              s.peak_simulated)
+                             : page::cell(text(s.peak_simulated))) +
+                    page::cell(text(s.worst_case)) + page::cell(text(s.worst_case_path)));
   }
-  return page::isolated_table({"sigma of", "simulated", "95 % interval", "IPQN at the centre",
-                               "IPQN along the path", "exact at its speeds"},
-                              sigmas) +
-         page::isolated_table(
-             {"error of", "mean", "peak", "worst case at the centre", "worst case along the path"}, peaks);
+  return page::table({"sigma of", "simulated", "95 % interval", "IPQN at the centre", "IPQN along the path",
+                      "exact at its speeds"},
+                     sigmas) +
+         page::table_of("peaks",
+                        {"error of", "mean", "peak (bar: of its worst case)", "worst case at the centre",
+                         "worst case along the path"},
+                        peaks);
+}
+
+/// From IPQN to the simulated sigma, factor by factor.
+std::string factor_table(const SimulationReport& r) {
+  std::vector<std::vector<std::string>> rows = factor_cells(r);
+  std::vector<std::string> header = rows.front();
+  header.front() = "sigma of";
+  rows.erase(rows.begin());
+  return page::table(header, rows);
 }
 
 std::string tracking_rows(const SimulationReport& r) {
   const std::vector<std::vector<std::string>> rows = tracking_cells(r);
   if (rows.empty()) return "";
-  return page::isolated_table(
-      {"estimate", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"}, rows);
+  return page::table({"estimate", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"},
+                     rows);
 }
 
 std::string deviation_list(const SimulationReport& r) {
@@ -110,7 +125,7 @@ SignalExtent signal_extent(std::size_t bytes, std::size_t signals) {
   return {drawn, std::clamp<std::size_t>(points / 2 - spectrum, of_time, 320), spectrum};
 }
 
-/// Of each signal: error in time, spectrum, ladder.
+/// Of each signal: error in time, spectrum.
 std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
   if (r.simulation.traces.empty()) return "";
   const std::vector<NamedSignal> signals = signals_of(r);
@@ -126,8 +141,7 @@ std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
     all.emplace_back(label_of(signals[i]),
                      page::side_by_side(error_figure(signals[i], trace, error, of_time) +
                                         spectrum_figure(signals[i], r.simulation.results[0][c], filter, trace,
-                                                        error, of_spectrum) +
-                                        ladder_figure(signals[i])));
+                                                        error, of_spectrum)));
   }
   std::string out = page::paragraph(
       "The first run, from the end of the settling on: the line passes through the smallest and the largest "
@@ -143,9 +157,17 @@ std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
   return out + page::choice("Signal", all);
 }
 
+/// What the simulated robot has beyond quantization: `backlash of a4: gap 200 urad`.
+std::vector<std::string> simulated_effects(const Spec& spec) {
+  std::vector<std::string> all;
+  for (const Effect& e : spec.effects)
+    all.push_back(e.type + (e.joint.empty() ? "" : " of " + e.joint) + ": " + parameters_text(spec, e));
+  return all;
+}
+
 }  // namespace
 
-std::string to_html(const SimulationReport& r, const Style&) {
+page::Page page_of(const SimulationReport& r) {
   page::Page page{"Simulation of " + r.spec.robot_name,
                   r.cutoffs ? cutoff_answer(r) : simulation_answer(r),
                   {},
@@ -156,10 +178,11 @@ std::string to_html(const SimulationReport& r, const Style&) {
   };
   add("The simulation",
       page::paragraph(counted(r.simulation.runs, "run") + " of " + counted(r.simulation.samples, "sample") +
-                      ", the first " + std::to_string(r.simulation.settling) + " discarded."));
+                      ", the first " + std::to_string(r.simulation.settling) + " discarded.") +
+          page::list(simulated_effects(r.spec)));
   if (r.cutoffs) {
     add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
-    return markup(page);
+    return page;
   }
   if (!r.estimators.empty()) {
     page.answer = "Along the motion estimator " + page::isolated(r.estimators.front().estimator) +
@@ -167,16 +190,17 @@ std::string to_html(const SimulationReport& r, const Style&) {
                   page::isolated(r.spec.model.chain.independent[r.estimators.front().joint].name) + ", " +
                   readable(r.estimators.front().rms, speed_unit(r, r.estimators.front())) + " rms.";
     add("Velocity estimators", estimator_figures(r));
-    return markup(page);
+    return page;
   }
-  add("Simulation and theory", prediction_figures(r) + deviation_list(r));
+  add("Simulation and theory",
+      page::side_by_side(prediction_figure(r) + "<div>" + factor_table(r) + "</div>") + deviation_list(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
   add("All figures", figure_tables(r));
   add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
   if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())
     page.sections.insert(page.sections.begin() + signals,
                          {"Errors in time, and their spectrum", std::move(figures)});
-  return markup(page);
+  return page;
 }
 
 }  // namespace qerr

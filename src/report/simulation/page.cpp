@@ -26,18 +26,13 @@ page::Series both_signs(const std::string& name, double limit, double from, doub
 
 }  // namespace
 
-std::string prediction_figures(const SimulationReport& r) {
+std::string prediction_figure(const SimulationReport& r) {
   page::Bars sigma{
       "Simulated sigma over IPQN along the path",
       "Sigma of the simulated error as a part of the sigma of the theory, with its 95 % interval.",
       {},
       {""},
       1};
-  page::Bars peak{"Peak over worst case along the path",
-                  "Largest simulated error as a part of the largest possible one.",
-                  {},
-                  {"", "%"},
-                  1};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     if (s.sigma_ipqn_path > 0 && std::isfinite(s.sigma_ipqn_path) && !is_constant(s)) {
@@ -47,15 +42,8 @@ std::string prediction_figures(const SimulationReport& r) {
       if (std::isfinite(lower) && std::isfinite(upper)) bar.error = {std::max(lower, 0.0), upper};
       sigma.bars.push_back(bar);
     }
-    if (s.worst_case_path > 0 && std::isfinite(s.worst_case_path)) {
-      const double part = s.peak_simulated / s.worst_case_path;
-      peak.bars.push_back({page::isolated_runs(label_of(named)), part, percent(part)});
-    }
   }
-  std::string out;
-  for (const page::Bars* bars : {&sigma, &peak})
-    if (!bars->bars.empty()) out += figure(*bars);
-  return page::side_by_side(out);
+  return sigma.bars.empty() ? "" : figure(sigma);
 }
 
 std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const std::vector<double>& error,
@@ -77,24 +65,6 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
         both_signs("sigma, IPQN along the path", s.signal.sigma_ipqn_path, first, last)})
     if (!limit.points.empty()) plot.series.push_back(limit);
   return figure(plot);
-}
-
-std::string ladder_figure(const NamedSignal& s) {
-  const Json factors = json_of(s.signal.ladder);
-  if (is_unbounded(s.signal) || is_constant(s.signal) || !(s.signal.sigma_ipqn > 0)) return "";
-  page::Waterfall w{page::isolated_runs("From IPQN to the simulated sigma of " + label_of(s)),
-                    "The theory at the centre of the motion times each factor is the simulated sigma.",
-                    "IPQN at the centre of the motion",
-                    "simulated sigma",
-                    s.signal.sigma_ipqn,
-                    s.shown_unit,
-                    {}};
-  for (const auto& [name, value] : factors.members()) {
-    std::string words = name;
-    std::replace(words.begin(), words.end(), '_', ' ');
-    w.factors.push_back({words, value.number().value_or(NAN)});
-  }
-  return figure(w);
 }
 
 std::string cutoff_figures(const SimulationReport& r) {
@@ -119,7 +89,7 @@ std::string cutoff_figures(const SimulationReport& r) {
       {noise, tracking, total},
       {{"least total", best.cutoff}}};
   return page::side_by_side(figure(plot)) +
-         page::isolated_table({"cut-off", "encoder error", "tracking error", "total"}, rows);
+         page::table({"cut-off", "encoder error", "tracking error", "total"}, rows);
 }
 
 namespace {

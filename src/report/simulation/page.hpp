@@ -11,8 +11,8 @@ namespace qerr {
 
 /// The parts of the page of a simulation, as markup; each "" if there is nothing to show.
 
-/// Simulated sigmas and peaks as parts of the predicted ones.
-std::string prediction_figures(const SimulationReport&);
+/// Simulated sigmas as parts of the predicted ones.
+std::string prediction_figure(const SimulationReport&);
 
 /// The error of a signal in time inside its bounds.
 /// @param trace      of the signal's filter
@@ -25,9 +25,6 @@ std::string error_figure(const NamedSignal&, const ErrorTrace& trace, const std:
 /// @param filter    null: none
 std::string spectrum_figure(const NamedSignal&, const SimulatedSignal& position, const Filter* filter,
                             const ErrorTrace& trace, const std::vector<double>& error, std::size_t intervals);
-
-/// The factors from IPQN to the simulated sigma.
-std::string ladder_figure(const NamedSignal&);
 
 /// Errors over the cut-off, with --cutoffs.
 std::string cutoff_figures(const SimulationReport&);

@@ -42,6 +42,9 @@ std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
 /// Of each estimate with a tracking error: label, encoder error, tracking error, its peak, total.
 std::vector<std::vector<std::string>> tracking_cells(const SimulationReport&);
 
+/// The factors that lead from IPQN to the simulated sigma of each signal, with a header.
+std::vector<std::vector<std::string>> factor_cells(const SimulationReport&);
+
 RowsOf<Ladder> rows(Of<Ladder>);
 RowsOf<NamedSignal> rows(Of<NamedSignal>);
 

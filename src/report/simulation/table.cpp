@@ -74,7 +74,9 @@ std::string tracking_table(const SimulationReport& r, const Style& style) {
          fitted_table(rows, style.width);
 }
 
-std::string ladder_table(const SimulationReport& r, const Style& style) {
+}  // namespace
+
+std::vector<std::vector<std::string>> factor_cells(const SimulationReport& r) {
   std::vector<std::vector<std::string>> rows{
       {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
@@ -83,8 +85,10 @@ std::string ladder_table(const SimulationReport& r, const Style& style) {
                     factor(s.ladder.varying_jacobian, 4), factor(s.ladder.joint_error, 4),
                     factor(s.ladder.correlated_joints, 4), factor(s.ladder.nonlinear, 5)});
   }
-  return fitted_table(rows, style.width);
+  return rows;
 }
+
+namespace {
 
 /// What remains to be said of the deviations, at the end of the table.
 std::string deviations(const SimulationReport& r) {
@@ -115,7 +119,8 @@ std::string to_table(const SimulationReport& r, const Style& style) {
                   style) +
           sigma_table(r, style) + heading("Peak compared with the worst case along the path", style) +
           peak_table(r, style) + tracking_table(r, style) +
-          heading("Factors from IPQN to the simulation", style) + ladder_table(r, style) + deviations(r),
+          heading("Factors from IPQN to the simulation", style) + fitted_table(factor_cells(r), style.width) +
+          deviations(r),
       style.width);
 }
 

@@ -6,6 +6,7 @@
 
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
@@ -89,7 +90,21 @@ std::string SweepPage::row(const SweptVariant& v) const {
   return text + end_of_row;
 }
 
+/// The largest part of a limit that a variant uses; empty where a requirement has none.
+std::optional<double> SweepPage::tightest(const Row& row) const {
+  double largest = -1;
+  for (std::size_t i = 0; i < std::min(figures_.size(), row.values.size()); ++i) {
+    if (figures_[i].requirement < 0) continue;
+    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(figures_[i].requirement)];
+    const auto part = part_of_limit(r, {.value = row.values[i]});
+    if (!part || !std::isfinite(*part)) return std::nullopt;
+    largest = std::max(largest, *part);
+  }
+  return largest < 0 ? std::nullopt : std::optional(largest);
+}
+
 void SweepPage::take(const Row& row) {
+  if (const auto part = tightest(row); part && (!best_ || *part < best_->value)) best_ = {*part, next_};
   judged_ += row.verdict != '-';
   met_ += row.verdict == 'y';
   for (std::size_t i = 0; i < row.values.size(); ++i) {

@@ -42,6 +42,7 @@ class SweepPage {
 
   void add_figures();
   void take(const Row&);
+  std::optional<double> tightest(const Row&) const;
   std::string answer() const;
   std::string picture(std::size_t figure) const;
   std::string plot(std::size_t figure) const;
@@ -58,6 +59,7 @@ class SweepPage {
   std::uint64_t next_ = 0;             ///< number of the variant that is added next
   std::uint64_t met_ = 0, judged_ = 0;
   std::vector<std::optional<Extreme>> least_, largest_;  ///< of every figure
+  std::optional<Extreme> best_;                          ///< that uses the least part of its tightest limit
   bool limits_vary_ = false;                             ///< the sweep changes a requirement
 };
 

@@ -47,6 +47,10 @@ std::string SweepPage::answer() const {
   if (judged_ > 0)
     text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
            (met_ == 1 ? " meets" : " meet") + " all requirements";
+  if (best_ && !limits_vary_ && grid_.count() > 1)
+    text += "; variant " + std::to_string(best_->variant) + " wins, with " +
+            page::isolated(short_description(grid_, best_->variant)) + ": it takes " + percent(best_->value) +
+            " of its tightest limit";
   // The first figure that varies says most.
   std::size_t i = 0;
   while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
@@ -124,27 +128,26 @@ std::string SweepPage::matrix(std::size_t figure) const {
   const std::vector<std::string> keys = grid_.keys();
   const auto key =
       static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn_.abscissa->key) - keys.begin());
-  std::string out = "<div class=\"wide\"><table class=\"matrix\"><thead><tr><th scope=\"col\">" +
-                    page::name_markup(drawn_.abscissa->key) + "</th>";
+  std::vector<std::string> header{drawn_.abscissa->key}, rows_of_cells;
   for (const std::uint64_t v : drawn_.lines.front().variants)
-    out += "<th scope=\"col\">" + page::name_markup(short_value(grid_.names(v)[key])) + "</th>";
-  out += "</tr></thead><tbody>";
+    header.push_back(short_value(grid_.names(v)[key]));
   const Requirement* limit = f.requirement >= 0 && !limits_vary_
                                  ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
                                  : nullptr;
   for (const DrawnVariants::Line& line : drawn_.lines) {
-    out += "<tr><th scope=\"row\">" + page::name_markup(line.name) + "</th>";
+    std::string row = "<th scope=\"row\">" + page::name_markup(line.name) + "</th>";
     for (const std::uint64_t v : line.variants) {
       const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
       const bool missed = limit && (limit->at_least ? y < limit->limit : y > limit->limit);
-      out += std::isfinite(y)
+      row += std::isfinite(y)
                  ? "<td style=\"--p:" + significant(std::round(45 * part), 2) + "%\">" +
                        (missed ? "\u2717 " : "") + page::escaped_markup(readable(y, f.unit)) + "</td>"
                  : "<td>-</td>";
     }
-    out += "</tr>\n";
+    rows_of_cells.push_back(row);
   }
-  return out + "</tbody></table></div>" + (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
+  return page::table_of("matrix", header, rows_of_cells) +
+         (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
 }
 
 std::string SweepPage::bars(std::size_t figure) const {
@@ -198,6 +201,7 @@ std::string SweepPage::table() const {
       cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
     }
     if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
+    if (judged_ > 0 && best_ && !limits_vary_ && variant == best_->variant) cells.back() += ", wins";
     for (const std::string& cell : cells) bytes += cell.size() + 20;
     if (bytes > most_bytes) break;
     rows.push_back(std::move(cells));

@@ -209,10 +209,13 @@ std::string workspace_figures(const Analysis& a, const ConfigurationSample& samp
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::pair<std::string, std::string>> all;
   for (std::size_t c = 0; c < sample.worst.size(); ++c) {
+    if (coordinates[c].kind && !coordinates[c].kind->of_chain)
+      continue;  // of a joint or a loop, not of a place
     std::string maps;
     for (const TipGrid& grid : grids) maps += worst_case_map(grid, sample.worst[c], coordinates[c]);
     all.emplace_back(coordinates[c].name, "<div class=\"figures\">" + maps + "</div>");
   }
+  if (all.empty()) return "<p>The spec has no coordinate of the tip.</p>";
   return "<p>By the position of the tip in the base frame, in each plane of it: the largest worst case "
          "of the configurations in a cell, of " +
          std::to_string(sample.of) + " configurations" + sampled_note(sample) +

@@ -185,10 +185,18 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
   constexpr std::size_t cloud = 700;
   Json joints = Json::array(), all = Json::array(), colours = Json::array(), names = Json::array();
   for (const ChainJoint& j : model.chain.joints) joints.push_back(joint_of(j, model.chain));
-  for (std::size_t i = 0; i < 2; ++i) all.push_back(pose_of(poses[i], *at[i]));
+  // The row of --per-configuration, from 1; 0 where the sample has not all of them.
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < 2; ++i) {
+    all.push_back(pose_of(poses[i], *at[i]));
+    const auto same = std::find(sample.q.begin(), sample.q.end(), *at[i]) - sample.q.begin();
+    rows.push_back(sample.complete() && same < std::ssize(sample.q) ? same + 1 : 0);
+  }
   const std::size_t count = std::min(cloud, sample.q.size());
   for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::VectorXd& q = sample.q[i * sample.q.size() / count];
+    const std::size_t row = i * sample.q.size() / count;
+    const Eigen::VectorXd& q = sample.q[row];
+    rows.push_back(sample.complete() ? row + 1 : 0);
     all.push_back(pose_of(drawn_pose(model, "", q), q));
   }
   for (const page::Colour& c : page::cividis) colours.push_back(Json(c));
@@ -197,13 +205,8 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
   const Json data{{"joints", joints},  {"tip", transform_rows(model.chain.tip_offset)},
                   {"encoders", names}, {"poses", all},
                   {"factor", factor},  {"colours", colours},
-                  {"of", sample.of}};
-  std::string text = data.line();
-  // Neither markup nor the end of the CDATA section can begin in it.
-  for (std::size_t i = 0; (i = text.find_first_of("<>&", i)) != std::string::npos;)
-    text.replace(i, 1, text[i] == '<' ? "\\u003c" : text[i] == '>' ? "\\u003e" : "\\u0026");
-  return "<div class=\"scene\" hidden=\"hidden\"><script type=\"application/json\">" + text +
-         "</script></div>\n";
+                  {"of", sample.of},   {"rows", rows}};
+  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(data.line()) + "</div>\n";
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include "report/diagnosis/parts.hpp"
 #include "report/diagnosis/sections.hpp"
 #include "report/diagnosis/sentences.hpp"
-#include "report/page/bars.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
@@ -17,45 +16,6 @@
 namespace qerr {
 
 namespace {
-
-/// Phases and what was not fitted have no size.
-bool is_size(const ReportedParameter& p) {
-  return !p.fixed && p.figure.name != "phase" && std::isfinite(p.figure.value) &&
-         std::isfinite(p.figure.lower) && std::isfinite(p.figure.upper);
-}
-
-/// By magnitude: of an interval that contains zero, the end farther from zero remains.
-page::Bar size_bar(const Cause& c, const ReportedParameter& p) {
-  const auto& [name, value, lower, upper] = p.figure;
-  page::Bar bar{page::isolated_runs(label(c) + ", " + name), std::abs(value),
-                p.unit.empty() ? readable_number(value) : readable(value, p.unit)};
-  if (lower <= 0 && upper >= 0)
-    bar.error = {0, std::max(-lower, upper)};
-  else
-    bar.error = {std::min(std::abs(lower), std::abs(upper)), std::max(std::abs(lower), std::abs(upper))};
-  return bar;
-}
-
-std::string size_figures(const DiagnosisReport& r) {
-  std::vector<page::Bars> all;
-  std::vector<std::string> units;
-  for (const Cause& c : r.diagnosis.causes)
-    for (const ReportedParameter& p : reported_parameters(r.spec, c)) {
-      if (!is_size(p)) continue;
-      const auto known = std::find(units.begin(), units.end(), p.unit) - units.begin();
-      if (known == static_cast<std::ptrdiff_t>(units.size())) {
-        units.push_back(p.unit);
-        all.push_back({p.unit.empty() ? "Ratios" : "Sizes [" + p.unit + "]",
-                       "Magnitude of each fitted parameter, with its 95 % interval.",
-                       {},
-                       {"", p.unit}});
-      }
-      all[static_cast<std::size_t>(known)].bars.push_back(size_bar(c, p));
-    }
-  std::string out;
-  for (const page::Bars& bars : all) out += figure(bars);
-  return out;
-}
 
 std::string probability_text(double p) { return p < 1e-15 ? "< 1e-15" : significant(p, 2); }
 
@@ -102,6 +62,7 @@ std::string causes_part(const DiagnosisReport& r) {
       if (!fact.empty()) facts.push_back(fact);
     if (const auto remedy = effect_kind(c.effect.type).remedy.text; !remedy.empty())
       facts.push_back("remedy: " + std::string(remedy));
+    facts.push_back("probability of such a fit without it: " + probability_text(c.p_value));
     for (const std::string& other : alternatives_to(r.diagnosis, &c)) facts.push_back("or: " + other);
     out += "<div class=\"cause\">" + page::subtitle(label(c)) + page::list(facts) +
            curve_figure(r.spec, "Residual without " + label(c) + ", and its fit", c.effect.joint, c.curve,
@@ -117,8 +78,7 @@ std::string parameters_part(const DiagnosisReport& r) {
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       rows.push_back({label(c), p.figure.name, parameter_size(r.spec, c, p), probability_text(c.p_value)});
   if (rows.empty()) return "";
-  return page::isolated_table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows) +
-         page::side_by_side(size_figures(r));
+  return page::table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows);
 }
 
 std::string remainder_part(const DiagnosisReport& r) {
@@ -130,31 +90,41 @@ std::string remainder_part(const DiagnosisReport& r) {
     curves += curve_figure(r.spec, "Unidentified: " + shapes.back(), u.joint, u.curve, marks);
   }
   if (!shapes.empty()) out += page::subtitle("Significant, unidentified") + page::list(shapes);
-  out += page::side_by_side(curves);
-  const std::vector<std::string> advice = advice_lines(r.diagnosis);
-  return advice.empty() ? out : out + page::subtitle("What to do next") + page::list(advice);
+  return out + page::side_by_side(curves);
+}
+
+std::string next_part(const DiagnosisReport& r) {
+  std::vector<std::string> items = advice_lines(r.diagnosis);
+  std::vector<std::pair<std::string, std::string>> remedies;  // and the joints
+  for (const DataFinding& f : r.diagnosis.data) {
+    if (f.remedy.empty()) continue;
+    const auto same = std::find_if(remedies.begin(), remedies.end(),
+                                   [&](const auto& other) { return other.first == f.remedy; });
+    const std::string joint = f.joint.empty() ? "the whole record" : shown(f.joint);
+    if (same == remedies.end())
+      remedies.emplace_back(f.remedy, joint);
+    else if ((", " + same->second + ",").find(", " + joint + ",") == std::string::npos)
+      same->second += ", " + joint;
+  }
+  for (const auto& [remedy, joints] : remedies) items.push_back(joints + ": " + remedy);
+  const std::vector<std::string> hidden = hidden_lines(r.diagnosis);
+  if (hidden.empty()) return page::list(items);
+  return page::list(items) + page::subtitle("What this motion hides") + page::list(hidden) +
+         page::paragraph("qerr diagnose SPEC --plan proposes a motion that shows more.");
 }
 
 std::string record_part(const DiagnosisReport& r) {
   std::vector<std::string> items;
-  for (const DataFinding& f : r.diagnosis.data)
-    items.push_back(place_of(f) + ": " + f.what + (f.remedy.empty() ? "" : ". Remedy: " + f.remedy));
+  for (const DataFinding& f : r.diagnosis.data) items.push_back(place_of(f) + ": " + f.what);
   return page::list(items);
 }
 
 std::string visible_part(const DiagnosisReport& r) {
   std::vector<std::vector<std::string>> sizes = visible_sizes(r.diagnosis);
-  std::string out;
-  if (!sizes.empty()) {
-    const std::vector<std::string> header = sizes.front();
-    sizes.erase(sizes.begin());
-    out = page::paragraph("Each effect from this size on, had it been there:") +
-          page::isolated_table(header, sizes);
-  }
-  const std::vector<std::string> hidden = hidden_lines(r.diagnosis);
-  if (hidden.empty()) return out;
-  return out + page::subtitle("What this motion hides") + page::list(hidden) +
-         page::paragraph("qerr diagnose SPEC --plan proposes a motion that shows more.");
+  if (sizes.empty()) return "";
+  const std::vector<std::string> header = sizes.front();
+  sizes.erase(sizes.begin());
+  return page::paragraph("Each effect from this size on, had it been there:") + page::table(header, sizes);
 }
 
 std::string gain_part(const DiagnosisReport& r) {
@@ -165,7 +135,7 @@ std::string gain_part(const DiagnosisReport& r) {
   rows.erase(rows.begin());
   std::vector<std::string> remarks = prediction_lines(d.gain);
   if (d.gain.held_out) remarks.insert(remarks.begin(), "after: on held-out blocks of the log");
-  return page::isolated_table(header, rows) + page::list(remarks);
+  return page::table(header, rows) + page::list(remarks);
 }
 
 }  // namespace qerr

@@ -12,20 +12,23 @@ namespace qerr {
 /// Each cause with its size, remedy and alternatives, and its residual with the fit.
 std::string causes_part(const DiagnosisReport&);
 
-/// The parameters of all causes: a table, and the sizes of one unit as bars with 95 % intervals.
+/// The parameters of all causes with their 95 % intervals, and how sure each cause is.
 std::string parameters_part(const DiagnosisReport&);
 
 /// Measured - reference of each joint before and after subtraction of the causes.
 /// @param bytes  that it may take, about: joints beyond are named, but not drawn
 std::string residuals_part(const DiagnosisReport&, std::size_t bytes);
 
-/// What no cause explains, and what to do about it.
+/// What no cause explains.
 std::string remainder_part(const DiagnosisReport&);
+
+/// What to record or to inspect next, and what the motion of this record hides.
+std::string next_part(const DiagnosisReport&);
 
 /// Faults of the record itself.
 std::string record_part(const DiagnosisReport&);
 
-/// The smallest effects that the record would have shown, and those that its motion hid.
+/// The smallest effects that the record would have shown.
 std::string visible_part(const DiagnosisReport&);
 
 /// Rms before and after.
