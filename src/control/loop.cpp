@@ -259,6 +259,19 @@ std::optional<ClosedLoop> closed(const Loop& loop) {
                               loop.sample_rate, delays(1))};
 }
 
+namespace {
+
+/// Of a gain that varies by 1 -+ slope from place to place: the margins where it is largest and least.
+void narrow(LoopMargins& m, double slope) {
+  if (slope == 0) return;
+  for (double& gain : m.critical_gains) gain /= 1 + slope;
+  m.gain /= 1 + slope;
+  if (m.lower_gain > 0) m.lower_gain = slope < 1 ? m.lower_gain / (1 - slope) : 1;
+  m.stable = m.stable && m.gain > 1 && m.lower_gain < 1;
+}
+
+}  // namespace
+
 LoopMargins margins(const Loop& loop) {
   const TransferRatio open = loop.open();
   LoopMargins m;
@@ -267,6 +280,7 @@ LoopMargins margins(const Loop& loop) {
   for (const Critical& c : critical) m.critical_gains.push_back(c.gain);
   if (!m.stable) {
     m.gain = largest_stable_gain(open, critical);
+    narrow(m, loop.reading.slope);
     return m;
   }
   m.gain = std::numeric_limits<double>::infinity();
@@ -280,7 +294,9 @@ LoopMargins margins(const Loop& loop) {
   }
   set_phase(open, loop.undelayed(), loop.sample_rate, m);
   m.bandwidth = bandwidth_of(open, loop.sample_rate);
-  m.absolutely_stable = loop.reading.play == 0 && never_oscillates(open, 2 / loop.reading.narrowest_state);
+  m.absolutely_stable = loop.reading.play == 0 &&
+                        never_oscillates(open, 2 * (1 + loop.reading.slope) / loop.reading.narrowest_state);
+  narrow(m, loop.reading.slope);
   return m;
 }
 
@@ -296,8 +312,10 @@ LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, doubl
   // Of rounding to states of one width: the largest N, of a sine across the edges of the narrowest.
   const double largest_on_count = 4 / (std::numbers::pi * reading.narrowest_state);
   LimitCycle c;
-  c.bound = motion * lasting;
-  c.torque_bound = torque * lasting;
+  const double s = reading.slope * motion;
+  c.bound = motion * (lasting + reading.of_position);
+  if (s < 1) c.bound = std::min(c.bound, motion * lasting / (1 - s));
+  c.torque_bound = torque * (lasting + std::min(reading.of_position, reading.slope * c.bound));
   c.torque_step = step * std::abs(reading.count) * count;
   c.on_count = !m.absolutely_stable && std::any_of(m.critical_gains.begin(), m.critical_gains.end(),
                                                    [&](double gain) { return gain <= largest_on_count; });

@@ -80,20 +80,23 @@ std::optional<PlayCycle> play_cycle(const Loop&, double play, bool behind_play);
 
 /// What quantization and play may keep alive in a loop at rest.
 struct LimitCycle {
-  double bound = 0;  ///< ||L/(1 + L)||_1 times the lasting error: no lasting motion is larger [rad or m]
-  double torque_bound = 0;             ///< ||C/(1 + L)||_1 times the lasting error [N m or N]
+  double bound = 0;                    ///< no lasting motion is larger [rad or m]
+  double torque_bound = 0;             ///< likewise, of the torque [N m or N]
   bool on_count = false;               ///< the describing function predicts one about a count
   bool on_edge = false;                ///< or about the edge between two counts
   double edge_amplitude = 0;           ///< of the motion predicted there [rad or m]
   double frequency = 0;                ///< predicted [Hz]
   double torque_step = 0;              ///< largest torque that follows one count [N m or N]
+  double ending_friction = 0;          ///< Coulomb friction that ends one between two counts [N m or N]
   std::optional<PlayCycle> play = {};  ///< of a loop whose reading has play
 };
 
+/// With T = L/(1 + L), the bounds are ||T||_1 (e + d), d the error that depends on the position: at most its
+/// half width, and at most its slope s times the motion, so that ||T||_1 e/(1 - s ||T||_1) is a bound, too.
 /// @param motion, torque  ||L/(1 + L)||_1 and ||C/(1 + L)||_1
 /// @param step            of largest_step
 /// @param count           of the joint [rad or m]: twice the half width of its rounding error
-/// @param lasting         half width of the error that lasts at rest [rad or m]
+/// @param lasting         half width e of the error that lasts at rest [rad or m]
 LimitCycle limit_cycle(const LoopMargins&, double motion, double torque, double step, const LoopReading&,
                        double count, double lasting);
 

@@ -12,6 +12,8 @@ struct LoopReading {
   double narrowest_state = 1;  ///< [resolutions]
   double play = 0;             ///< full width [rad or m]
   bool behind_play = false;    ///< the encoder is on the side that is driven through the play
+  double of_position = 0;      ///< half width of errors that depend on the position alone [rad or m]
+  double slope = 0;            ///< largest |derivative| of these: by it the gain varies from place to place
 
   bool operator==(const LoopReading&) const = default;
 

@@ -261,6 +261,8 @@ RowsOf<LimitCycle> rows(Of<LimitCycle>) {
           {"edge_amplitude", &LimitCycle::edge_amplitude, "of the motion predicted there [rad or m]"},
           {"frequency", &LimitCycle::frequency, "predicted [Hz]"},
           {"torque_step", &LimitCycle::torque_step, "largest torque that follows one count [N m or N]"},
+          {"ending_friction", &LimitCycle::ending_friction,
+           "Coulomb friction that ends one between two counts [N m or N]"},
           {"play_amplitude", of_play(&PlayCycle::amplitude), "of the motion that play keeps alive [rad or m]",
            optional},
           {"play_frequency", of_play(&PlayCycle::frequency), "predicted, as its amplitude [Hz]", optional}};

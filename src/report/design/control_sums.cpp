@@ -143,6 +143,7 @@ ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
 }
 
 ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const LoopReport& loop) {
+  if (spec_.model.control->joints[loop.joint].reading.of_position > 0) return {};  // no sum over the counts
   const Transmission& t = spec_.model.transmission;
   const Eigen::RowVectorXd parts = t.coupling.row(static_cast<Eigen::Index>(loop.joint)).cwiseAbs();
   const double of_width = loop.cycle.bound / parts.dot(widths_at_rest(*spec_.model.control, resolutions(t)));
