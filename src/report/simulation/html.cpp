@@ -42,6 +42,8 @@ std::string cutoff_answer(const SimulationReport& r) {
 }
 
 std::string simulation_answer(const SimulationReport& r) {
+  if (r.spec.model.tips)
+    return "Of several tips none is compared: with one robot.tip its errors along the motion are here.";
   RatioRange sigma, peak;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
@@ -169,6 +171,7 @@ std::string to_html(const SimulationReport& r, const Style&) {
     add("Velocity estimators", estimator_figures(r));
     return markup(page);
   }
+  if (r.spec.model.tips) return markup(page);
   add("Simulation and theory", prediction_figures(r) + deviation_list(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
   add("All figures", figure_tables(r));
