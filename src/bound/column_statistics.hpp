@@ -6,7 +6,7 @@
 
 #include "bound/error_columns.hpp"
 #include "bound/screen_kernels.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {

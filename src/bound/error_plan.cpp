@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "bound/linearization_remainder.hpp"
-#include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/independent_error.hpp"
 
 namespace qerr {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bound/tally.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 
 namespace qerr {
 

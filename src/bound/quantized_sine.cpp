@@ -1,5 +1,3 @@
-#include "qerr/bound/quantized_sine.hpp"
-
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/gamma.hpp>
@@ -7,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+
+#include "qerr/bound/velocity_estimators.hpp"
 
 namespace qerr {
 

@@ -8,7 +8,7 @@
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 
 namespace qerr {
 

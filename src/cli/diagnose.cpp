@@ -8,7 +8,6 @@
 #include "input/log_names.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
-#include "qerr/report/plan_report.hpp"
 #include "report/formats.hpp"
 
 namespace qerr::cli {

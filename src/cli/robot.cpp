@@ -8,7 +8,6 @@
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "qerr/input/first_spec.hpp"
-#include "qerr/input/read_urdf.hpp"
 #include "qerr/report/robot_report.hpp"
 
 namespace qerr::cli {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "core/text.hpp"
-#include "qerr/core/unit.hpp"
 
 namespace qerr {
 

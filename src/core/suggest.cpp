@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "qerr/core/quantity.hpp"
-#include "qerr/core/unit.hpp"
 
 namespace qerr {
 

@@ -9,7 +9,6 @@
 #include "qerr/design/requirement.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
 
 namespace qerr {
 

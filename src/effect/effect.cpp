@@ -1,3 +1,5 @@
+#include "qerr/effect/effect.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,7 +8,6 @@
 #include "core/random.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/effect/residual_shape.hpp"
 
 namespace qerr {
 

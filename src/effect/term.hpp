@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "qerr/effect/effect.hpp"
-#include "qerr/effect/residual_shape.hpp"
 #include "qerr/encoder/encoder.hpp"
 
 namespace qerr {

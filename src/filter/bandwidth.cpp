@@ -7,7 +7,7 @@
 
 #include "filter/design/polynomial.hpp"
 #include "filter/frequency_response.hpp"
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 
 #include "filter/norms/complex.hpp"
 #include "qerr/filter/filter.hpp"
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 

@@ -1,5 +1,3 @@
-#include "qerr/filter/quality.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "filter/frequency_response.hpp"
 #include "filter/norms/sequence.hpp"
 #include "filter/run/cascade.hpp"
+#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 

@@ -7,7 +7,7 @@
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 /// The rows of a table. The fast path reads rows of unquoted numbers in one pass without a copy; a row with
 /// quotation marks or faults, or one that crosses the end of the buffer, is read again by the general path.

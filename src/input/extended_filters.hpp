@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "input/yaml_tree.hpp"
-#include "qerr/input/extended_spec.hpp"
+#include "qerr/input/spec.hpp"
 
 namespace qerr {
 

@@ -1,5 +1,3 @@
-#include "qerr/input/extended_spec.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 #include "input/override.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/input/spec.hpp"
 
 namespace qerr {
 

@@ -12,8 +12,8 @@
 #include "input/yaml_text.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/kinematics/jacobian.hpp"
-#include "qerr/kinematics/tree_ends.hpp"
+#include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
 

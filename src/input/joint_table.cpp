@@ -7,7 +7,7 @@
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
 #include "input/log_table.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "input/csv.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 

@@ -5,7 +5,7 @@
 
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 

@@ -11,7 +11,7 @@
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
 #include "input/yaml_text.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 

@@ -6,9 +6,8 @@
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/filter/representations.hpp"
 
 namespace qerr {
 

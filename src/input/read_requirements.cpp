@@ -6,7 +6,7 @@
 #include "input/read_limits.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 /// Reads the section `requirements` of a spec.
 namespace qerr {

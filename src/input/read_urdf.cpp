@@ -1,5 +1,3 @@
-#include "qerr/input/read_urdf.hpp"
-
 #include <console_bridge/console.h>
 #include <unistd.h>
 #include <urdf_parser/urdf_parser.h>
@@ -18,6 +16,7 @@
 #include "input/byte_source.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
+#include "qerr/input/first_spec.hpp"
 
 // A URDF is read in three steps: expat gives the outline with lines and columns (urdf_outline), UrdfReader
 // checks names, numbers and tree with messages at these places (urdf_reader, urdf_tree), and urdfdom reads

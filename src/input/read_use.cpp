@@ -5,7 +5,7 @@
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 
 /// Reads the sections `coordinates`, `log` and `threshold` of a spec.

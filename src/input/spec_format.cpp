@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/filter/representations.hpp"
 
 namespace qerr::spec_format {
 

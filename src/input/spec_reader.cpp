@@ -10,7 +10,7 @@
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/unknown_key.hpp"
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 
 namespace qerr {
 

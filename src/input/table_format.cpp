@@ -7,7 +7,7 @@
 
 #include "core/text.hpp"
 #include "input/log_names.hpp"
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 

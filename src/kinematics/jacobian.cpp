@@ -1,6 +1,6 @@
-#include "qerr/kinematics/jacobian.hpp"
-
 #include <vector>
+
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

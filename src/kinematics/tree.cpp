@@ -7,7 +7,7 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "qerr/kinematics/tree_ends.hpp"
+#include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
 

@@ -5,7 +5,6 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/filter/representations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
 #include "report/list/list_report.hpp"

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "qerr/bound/error_along_motion.hpp"
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/filter/filter.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

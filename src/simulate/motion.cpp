@@ -1,11 +1,10 @@
-#include "qerr/simulate/motion.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "lanes/batch.hpp"
 #include "lanes/lanes.hpp"
+#include "qerr/simulate/simulate.hpp"
 #include "simulate/kernels.hpp"
 #include "simulate/motion_path.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "qerr/core/instruction_set.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

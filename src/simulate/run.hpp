@@ -3,7 +3,6 @@
 #include <functional>
 #include <vector>
 
-#include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "simulate/path_errors.hpp"

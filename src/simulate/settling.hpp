@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "qerr/filter/filter.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

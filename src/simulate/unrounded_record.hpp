@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qerr/bound/effect_shares.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

@@ -14,7 +14,7 @@
 #include <numbers>
 #include <string>
 
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "support/figure_search.hpp"
 
 namespace {

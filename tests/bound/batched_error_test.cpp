@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "lanes/batch.hpp"
-#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_model.hpp"
 

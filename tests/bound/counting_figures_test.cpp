@@ -10,7 +10,7 @@
 #include "bound/kernels.hpp"
 #include "bound/workspace_job.hpp"
 #include "lanes/batch.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "support/random_model.hpp"
 
 namespace qerr {

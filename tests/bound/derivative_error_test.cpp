@@ -1,5 +1,3 @@
-#include "qerr/bound/derivative_error.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_model.hpp"
 

@@ -1,10 +1,9 @@
-#include "qerr/bound/joint_error.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

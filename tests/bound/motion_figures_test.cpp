@@ -8,7 +8,6 @@
 
 #include "bound/linearization_remainder.hpp"
 #include "bound/noise_in_motion.hpp"
-#include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "support/design_filter.hpp"
 #include "support/measured.hpp"

@@ -10,7 +10,7 @@
 #include "bound/proven/reached.hpp"
 #include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"
-#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"

@@ -1,9 +1,9 @@
-#include "qerr/bound/quantized_sine.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "qerr/bound/velocity_estimators.hpp"
 
 namespace qerr {
 namespace {

@@ -1,5 +1,3 @@
-#include "qerr/bound/statistic.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "bound/histogram.hpp"
 #include "bound/joined_tally.hpp"
+#include "qerr/bound/figure.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -11,7 +11,6 @@
 
 #include "core/random.hpp"
 #include "core/text.hpp"
-#include "qerr/core/unit.hpp"
 
 namespace qerr {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
 
 namespace qerr {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "qerr/report/plan_report.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/write.hpp"
 #include "simulate/motion_path.hpp"
 

@@ -106,7 +106,7 @@ def percent_names(v):
 
 
 def percentiles_limit(v):
-    (bits,) = v.source("include/qerr/bound/statistic.hpp", r"exact_percentiles_limit = .*<< (\d+);")
+    (bits,) = v.source("include/qerr/bound/figure.hpp", r"exact_percentiles_limit = .*<< (\d+);")
     return (f"{2 ** int(bits):,}".replace(",", " "),)
 
 

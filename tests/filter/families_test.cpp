@@ -10,7 +10,6 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
 #include "support/design_filter.hpp"
 #include "support/measured.hpp"
 #include "support/sample_filters.hpp"

@@ -12,7 +12,6 @@
 #include "filter/norms/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/representations.hpp"
 #include "support/measured_texts.hpp"
 #include "support/sample_filters.hpp"
 

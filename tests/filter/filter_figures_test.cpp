@@ -6,7 +6,6 @@
 
 #include "filter/norms/transient.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
 #include "support/measured.hpp"
 #include "support/random_filter.hpp"
 #include "support/sample_filters.hpp"

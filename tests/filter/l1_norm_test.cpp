@@ -5,7 +5,6 @@
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/representations.hpp"
 #include "support/random_filter.hpp"
 #include "support/reference_norm.hpp"
 

@@ -10,7 +10,6 @@
 #include "filter/frequency_response.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
 #include "support/design_filter.hpp"
 #include "support/measured.hpp"
 

@@ -1,5 +1,3 @@
-#include "qerr/filter/quality.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

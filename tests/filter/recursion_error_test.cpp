@@ -8,8 +8,8 @@
 #include <random>
 
 #include "filter/design/polynomial.hpp"
+#include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/representations.hpp"
 #include "support/design_filter.hpp"
 #include "support/random_filter.hpp"
 

@@ -11,8 +11,6 @@
 
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
-#include "qerr/filter/representations.hpp"
 #include "support/filter_digits.hpp"
 #include "support/measured.hpp"
 #include "support/random_chain.hpp"

@@ -1,5 +1,3 @@
-#include "qerr/filter/representations.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "fuzz/target.hpp"
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 
 /// The bytes are a URDF.
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

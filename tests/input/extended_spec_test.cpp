@@ -1,8 +1,8 @@
-#include "qerr/input/extended_spec.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
+
+#include "qerr/input/spec.hpp"
 
 namespace qerr {
 namespace {

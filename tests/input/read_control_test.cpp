@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "control/control.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/control.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 

@@ -1,5 +1,3 @@
-#include "qerr/input/read_urdf.hpp"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -11,6 +9,7 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "support/random_chain.hpp"
 #include "support/urdf_text.hpp"

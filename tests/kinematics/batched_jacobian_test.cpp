@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "qerr/input/read_urdf.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/input/first_spec.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

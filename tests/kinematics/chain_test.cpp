@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
-#include "qerr/kinematics/jacobian.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

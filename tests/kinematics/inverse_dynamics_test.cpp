@@ -7,7 +7,7 @@
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <numbers>
 
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "simulate/sensing.hpp"
 #include "support/random_chain.hpp"
 

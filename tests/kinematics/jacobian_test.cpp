@@ -1,5 +1,3 @@
-#include "qerr/kinematics/jacobian.hpp"
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -8,7 +6,8 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -1,9 +1,8 @@
-#include "qerr/kinematics/tree_ends.hpp"
-
 #include <gtest/gtest.h>
 
 #include "qerr/core/error.hpp"
 #include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/robot_model.hpp"
 #include "support/urdf_text.hpp"
 
 namespace qerr {

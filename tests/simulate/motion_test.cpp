@@ -1,5 +1,3 @@
-#include "qerr/simulate/motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/simulate/simulate.hpp"
 #include "simulate/motion_path.hpp"
 
 namespace qerr {

@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/cutoffs.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/filter/norms.hpp"
 #include "support/design_filter.hpp"
 #include "support/measured.hpp"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "qerr/filter/family.hpp"
-#include "qerr/filter/representations.hpp"
 
 namespace qerr {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "qerr/core/error.hpp"
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 
 /// URDF documents of a few links, as text.
 namespace qerr::testing::urdf {

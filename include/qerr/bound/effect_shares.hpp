@@ -6,7 +6,6 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
-#include "qerr/effect/share.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {

@@ -8,6 +8,23 @@
 
 namespace qerr {
 
+/// Mean, largest magnitude and covariance of signals over a record.
+struct SignalMoments {
+  Eigen::VectorXd mean, peak;
+  Eigen::MatrixXd covariance;  ///< about the mean
+};
+
+/// Error, estimate - true, that effects add along one motion, without quantization: a known signal, the same
+/// in every run, and independent of the sampled configurations.
+///
+/// An effect behind the quantizer that multiplies counts also multiplies the quantization error, which is not
+/// part of this signal.
+struct ErrorAlongMotion {
+  SignalMoments joints;  ///< of the independent joints [rad or m]
+  SignalMoments tip;     ///< of the model's coordinates, then its signals of other kinds [m or rad]
+  std::vector<SignalMoments> filtered;  ///< [filter]: the same signals behind it [m/s, rad/s, ...]
+};
+
 /// An error that is independent of all others, estimate - true, and where it enters: quantization of an
 /// encoder, an encoder's accuracy, the share of an effect, the displacement of a joint's origin.
 struct IndependentError {
@@ -57,5 +74,20 @@ bool sigma_is_known(const std::vector<IndependentError>&, std::size_t filter);
 /// @param beside_noise_in_motion  0 also for sources that are part of noise_in_motion
 Eigen::VectorXd sigma_ratios(const std::vector<IndependentError>&, std::size_t filter, double h2,
                              bool beside_noise_in_motion = false);
+
+/// Error of every independent joint, estimate - true, in chain order [rad or m].
+struct JointError {
+  Eigen::VectorXd mean;        ///< C m with the encoders' mean errors m; 0 when all round to nearest
+  Eigen::VectorXd half_width;  ///< 0.5 |C| Delta (paper, Eq. 3, carried through the coupling)
+  Eigen::VectorXd worst_case;  ///< half_width + |mean|
+  /// sqrt(diag(C diag(Delta^2/12) C^T)) (paper, Eq. 9, whose covariance is diagonal only for C = I).
+  Eigen::VectorXd sigma;
+};
+
+/// Joint error of a transmission, from the quantization intervals of its encoders and the sources at joints
+/// and encoders: means, half widths and variances add (displaced origins do not move a joint).
+/// @param along_motion  of the joints, or null: its peak adds to half_width and its variance to that of sigma
+JointError joint_error(const Transmission&, const std::vector<IndependentError>& = {},
+                       const SignalMoments* along_motion = nullptr);
 
 }  // namespace qerr

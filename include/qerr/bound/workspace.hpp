@@ -6,10 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/bound/operational_error.hpp"
-#include "qerr/bound/statistic.hpp"
 #include "qerr/core/instruction_set.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/configurations.hpp"

@@ -9,7 +9,6 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
-#include "qerr/effect/residual_shape.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/simulate/log.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

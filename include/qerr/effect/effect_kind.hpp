@@ -11,7 +11,6 @@
 
 #include "qerr/core/parameter.hpp"
 #include "qerr/effect/effect.hpp"
-#include "qerr/effect/share.hpp"
 
 namespace qerr {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/gimbal_lock.hpp"
-#include "qerr/kinematics/jacobian.hpp"
 
 namespace qerr {
 

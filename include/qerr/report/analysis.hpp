@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "qerr/bound/effect_shares.hpp"
-#include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/bound/proven_maximum.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/design/requirement.hpp"

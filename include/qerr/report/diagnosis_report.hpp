@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/diagnose/plan.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {
@@ -57,5 +58,19 @@ struct ResidualCurves {
   std::string spectrum;  ///< joint, order, encoder_order, before, after, unit
 };
 ResidualCurves residual_curves(const DiagnosisReport&);
+
+/// The result of `qerr diagnose --plan`.
+struct PlanReport {
+  Spec spec;
+  Plan plan;
+  std::vector<std::string> warnings;
+};
+
+/// The effects that a log of the spec's motion would detect and identify.
+/// @throws Error (input; key `motion`) if the spec has none
+PlanReport plan_report(const Spec&, const PlanOptions& = {});
+
+/// The `motion:` section of a spec, with a motion of each joint.
+std::string motion_text(const Motion&, const Chain&);
 
 }  // namespace qerr

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "qerr/bound/velocity_estimators.hpp"
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

@@ -6,7 +6,6 @@
 
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/robot_model.hpp"
-#include "qerr/kinematics/tree_ends.hpp"
 #include "qerr/report/write.hpp"
 
 namespace qerr {

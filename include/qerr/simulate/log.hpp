@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "qerr/core/unit.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/encoder/transmission.hpp"
 
 namespace qerr {

@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "bound/signals/closed_loops.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 #include "bound/signals/signals.hpp"
 #include "control/control.hpp"
 #include "qerr/bound/operational_error.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

@@ -8,7 +8,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "diagnose/inference/scatter.hpp"
-#include "qerr/effect/residual_shape.hpp"
+#include "qerr/effect/effect.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 
 #include "diagnose/record/evidence.hpp"
 #include "qerr/effect/effect.hpp"
-#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
 

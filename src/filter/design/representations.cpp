@@ -1,8 +1,8 @@
-#include "qerr/filter/representations.hpp"
+#include "filter/design/representations/representations.hpp"
 
 #include <cmath>
 
-#include "filter/design/representations/representations.hpp"
+#include "qerr/filter/family.hpp"
 
 namespace qerr {
 

@@ -13,7 +13,7 @@
 #include "core/search.hpp"
 #include "core/text.hpp"
 #include "qerr/bound/independent_error.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/text.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/json_header.hpp"

@@ -9,7 +9,7 @@
 #include "core/text.hpp"
 #include "design/quietest_fir.hpp"
 #include "input/read_sections.hpp"
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
 

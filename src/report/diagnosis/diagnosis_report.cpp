@@ -4,7 +4,7 @@
 
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/input/extended_spec.hpp"
+#include "qerr/input/spec.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/text_table.hpp"
 

@@ -6,7 +6,7 @@
 #include "core/text.hpp"
 #include "filter/norms/recursion_error.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/filter/representations.hpp"
+#include "qerr/filter/family.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -6,7 +6,7 @@
 
 #include "bound/noise_in_motion.hpp"
 #include "filter/norms/transient.hpp"
-#include "qerr/bound/quantized_sine.hpp"
+#include "qerr/bound/velocity_estimators.hpp"
 
 namespace qerr {
 

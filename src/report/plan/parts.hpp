@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "qerr/report/plan_report.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 #include "report/rows.hpp"
 
 /// What the formats of a plan share.

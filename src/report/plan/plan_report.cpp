@@ -1,10 +1,9 @@
-#include "qerr/report/plan_report.hpp"
-
 #include <algorithm>
 
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
 #include "report/json_header.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/text.hpp"
-#include "qerr/filter/quality.hpp"
+#include "qerr/filter/norms.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/csv_text.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/figure.hpp"
 #include "report/sweep/swept_variant.hpp"
 
 namespace qerr {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/random.hpp"
-#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr::bench {

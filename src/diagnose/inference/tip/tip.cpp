@@ -12,7 +12,7 @@
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {

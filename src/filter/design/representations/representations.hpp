@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filter/design/families/families.hpp"
-#include "qerr/filter/representations.hpp"
+#include "qerr/filter/family.hpp"
 
 namespace qerr {
 
