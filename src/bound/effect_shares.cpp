@@ -144,8 +144,9 @@ std::vector<IndependentError> error_sources(const OperationalModel& model,
       const auto link = find_joint(model.chain, s.effect.joint);
       if (!link) continue;  // a mimicked joint outside the chain: its origin does not displace the tip
       source.where = IndependentError::Where::origin;
-      source.link = *link;
-      source.direction = displacement_direction(s.effect);
+      const OriginPlace place = origin_place(model.chain, *link);
+      source.link = place.link;
+      source.direction = place.axes * displacement_direction(s.effect);
     }
     source.mean = s.share->mean;
     source.half_width = s.share->half_width;

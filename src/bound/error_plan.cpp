@@ -82,7 +82,7 @@ void PlannedError::add_error(const OperationalModel& model, const IndependentErr
                  .owner = e.owner,
                  .source = source};
   if (e.where == IndependentError::Where::origin) {
-    const Eigen::Vector3d along = scale * (model.chain.joints[e.link].parent_axes * e.direction);
+    const Eigen::Vector3d along = scale * e.direction;
     const Eigen::Vector3d direction =
         e.link == 0 ? along : Eigen::Vector3d(chain_.link_axes[e.link - 1] * along);
     part.link = e.link;

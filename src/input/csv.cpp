@@ -142,8 +142,9 @@ void CsvReader::take_header(const char* begin, const char* end) {
 /// The columns of a table without header.
 void CsvReader::number_columns() {
   const char* const end = record_end(buffer_.data() + row_);
+  const std::vector<std::string>& labels = source_.layout().labels();
   for (std::size_t i = cells_of(buffer_.data() + row_, end).size(); i > 0; --i) {
-    header_.insert(header_.begin(), "column " + std::to_string(i));
+    header_.insert(header_.begin(), i <= labels.size() ? labels[i - 1] : "column " + std::to_string(i));
     header_places_.push_back({file(), line(), 1});
   }
 }
@@ -195,6 +196,7 @@ void CsvReader::fit_header() {
 std::string CsvReader::recognized() const {
   std::vector<std::string> all;
   if (!source_.encoding().empty()) all.emplace_back(source_.encoding());
+  if (const std::string layout = source_.layout().description(); !layout.empty()) all.push_back(layout);
   constexpr std::pair<char, const char*> separators[] = {
       {';', "separated by semicolons"}, {'\t', "separated by tabulators"}, {' ', "separated by blanks"}};
   if (limits_.recognize)
@@ -203,9 +205,11 @@ std::string CsvReader::recognized() const {
   if (format_.decimal == ',') all.emplace_back("decimal commas");
   if (format_.header_is_comment) all.emplace_back("a comment as header");
   if (format_.has_units) all.emplace_back("units in the row behind the header");
-  if (!format_.has_header) all.emplace_back("no header: columns by number, 'column 1'");
+  if (!format_.has_header && source_.layout().labels().empty())
+    all.emplace_back("no header: columns by number, 'column 1'");
   if (format_.preamble > 0)
     all.push_back(counted(static_cast<std::size_t>(format_.preamble), "line") + " before the header");
+  if (left_out_ > 0) all.push_back(counted(left_out_, "line") + " of words behind a blank line left out");
   std::string text;
   for (const std::string& part : all) text += (text.empty() ? "" : ", ") + part;
   return text;

@@ -25,6 +25,8 @@ ColumnName column_name(const std::string& cell);
 /// A blank within or around a cell; also the carriage return before a line feed.
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 struct CsvLimits {
   std::size_t block = 1 << 18;        ///< bytes per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]
@@ -144,7 +146,10 @@ class CsvReader {
   TextSource source_;
   CsvLimits limits_;
   TableFormat format_;
-  std::string header_line_;  // with which a logger may start again
+  std::string header_line_;    // with which a logger may start again
+  bool behind_blank_ = false;  // a blank line is before the present row
+  bool remarks_ = false;       // the present row is one of words behind a blank line
+  std::size_t left_out_ = 0;   // lines of words behind a blank line
   RowReader fast_row_ = nullptr;
   std::vector<char> buffer_;
   std::size_t row_ = 0;        // start in the buffer of the current row

@@ -7,6 +7,7 @@
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
+#include "qerr/core/quantity.hpp"
 
 /// The rows of a table. The fast path reads rows of unquoted numbers in one pass without a copy; a row with
 /// quotation marks or faults, or one that crosses the end of the buffer, is read again by the general path.
@@ -170,7 +171,7 @@ CsvReader::RowReader CsvReader::row_reader() const {
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
   row_ = next_;
   line_ = next_line_;
-  if (const char* const end = (this->*fast_row_)(values, stride)) {
+  if (const char* const end = remarks_ ? nullptr : (this->*fast_row_)(values, stride)) {
     next_ = static_cast<std::size_t>(end - buffer_.data());
     ++next_line_;
     return true;
@@ -199,7 +200,18 @@ bool CsvReader::next_record() {
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
-    if (std::all_of(begin, end, is_blank)) continue;
+    const bool blank = std::all_of(begin, end, is_blank);
+    const bool behind = behind_blank_ || remarks_;
+    behind_blank_ = blank;
+    if (blank) continue;
+    // Summaries stand behind a blank line: `Mean,12.3`. In a column that is not read words may stand in any
+    // row.
+    const bool word = is_letter(*std::find_if_not(begin, end, is_blank));
+    remarks_ = limits_.recognize && word && behind && !plan_.empty() && plan_[0] != -1;
+    if (remarks_) {
+      ++left_out_;
+      continue;
+    }
     // Loggers write remarks between the rows, and their header once more where they start again.
     if (limits_.recognize && (*begin == '#' || std::string_view(begin, end - begin) == header_line_))
       continue;
@@ -264,6 +276,7 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
   if (!limits_.recognize || is_numeric(text, '.')) {
     if (format_.decimal == ',' && may_be_thousands(text))
       throw Error(ambiguous_point(place_at(cell.begin), header_[chosen_[chosen]], text));
+    if (limits_.recognize) make_decimal_notation(text);
     return text;
   }
   const bool commas = format_.decimal == ',' || format_.decimal_unknown;
@@ -275,6 +288,18 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
   return text;
 }
 
+namespace {
+
+/// The unit behind the number of a cell, `deg` of `12.5 deg`; "" if there is none.
+std::string unit_of(const std::string& cell) {
+  const std::size_t blank = cell.find(' ');
+  if (blank == std::string::npos || !is_numeric(cell.substr(0, blank), '.')) return "";
+  std::string why, unit = cell.substr(cell.find_last_of(' ') + 1);
+  return parse_unit(unit, why) ? unit : "";
+}
+
+}  // namespace
+
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
   if (limits_.empty_cells && is_missing(cell.text)) {
     value = no_number;
@@ -285,11 +310,14 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
   begin += *begin == '+' && begin[1] != '-';
   const char* const end = read_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + ended.size() - 1) return;
-  throw Error(
-      {place_at(cell.begin), header_[chosen_[chosen]],
-       cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
-       cell.text.empty() ? "" : "'" + cell.text + "'",
-       "write a plain number, or leave the row out" + (is_missing(cell.text) ? limits_.empty_remedy : "")});
+  throw Error({place_at(cell.begin), header_[chosen_[chosen]],
+               cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
+               cell.text.empty() ? "" : "'" + cell.text + "'",
+               unit_of(cell.text).empty()
+                   ? "write a plain number, or leave the row out" +
+                         (is_missing(cell.text) ? limits_.empty_remedy : "")
+                   : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name +
+                         " [" + unit_of(cell.text) + "]', and plain numbers"});
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {

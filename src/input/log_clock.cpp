@@ -123,16 +123,22 @@ std::optional<std::int64_t> take_date(std::string_view& text) {
   return std::chrono::sys_days(day).time_since_epoch().count();
 }
 
-/// `hh:mm[:ss[.d...]][ AM| PM]`, a comma may stand for the point.
+/// `hh:mm[:ss[.d...]][ AM| PM]`, or minutes and seconds `mm:ss.d...`; a comma may stand for the point.
 std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
-  const auto h = take_digits(text, 2);
+  auto h = take_digits(text, 2);
   if (!h || !take_mark(text, ":")) return std::nullopt;
-  const auto min = take_digits(text, 2);
-  const bool with_seconds = min && take_mark(text, ":");
-  const auto s = with_seconds ? take_digits(text, 2) : std::optional<std::int64_t>(0);
+  auto min = take_digits(text, 2);
+  const bool minutes_first = min && !text.empty() && (text.front() == '.' || text.front() == ',');
+  const bool with_seconds = min && !minutes_first && take_mark(text, ":");
+  auto s = with_seconds ? take_digits(text, 2) : std::optional<std::int64_t>(0);
+  if (minutes_first) {
+    s = min;
+    min = h;
+    h = 0;
+  }
   if (!min || !s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
   std::int64_t part = 0;
-  if (with_seconds && take_mark(text, ".,")) {
+  if ((with_seconds || minutes_first) && take_mark(text, ".,")) {
     const auto digits =
         static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
     const auto read = digits > 0 ? attoseconds(std::string(text.substr(0, digits))) : std::nullopt;
@@ -150,10 +156,10 @@ std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
 }
 
 /// A date and a time of day, with `T` or a blank between them and perhaps a zone; or a time of day alone.
-std::optional<TimeStamp> calendar_stamp(std::string_view text) {
+std::optional<TimeStamp> calendar_stamp(std::string_view text, bool& dated) {
   std::int64_t days = 0;
   const std::size_t mark = text.find_first_not_of("0123456789");
-  const bool dated = mark != std::string_view::npos && text[mark] != ':';
+  dated = mark != std::string_view::npos && text[mark] != ':';
   if (dated) {
     const auto date = take_date(text);
     if (!date || !take_mark(text, "Tt ,;_")) return std::nullopt;
@@ -179,15 +185,38 @@ std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit,
   const bool no_epoch = origin_ && origin_->seconds == 0;
   if (decimal && (no_epoch || (!origin_ && std::abs(rounded_seconds) < farthest))) {
     origin_ = TimeStamp{};
-    return rounded_seconds;
+    return unit.divisor > 1 ? unwrapped(number, unit) : rounded_seconds;
   }
   const bool in_seconds = unit.factor == 1 && unit.divisor == 1;
-  const auto stamp = decimal      ? exact(text, unit, rounded_seconds)
-                     : in_seconds ? calendar_stamp(text)
-                                  : std::nullopt;
+  bool dated = true;
+  auto stamp = decimal      ? exact(text, unit, rounded_seconds)
+               : in_seconds ? calendar_stamp(text, dated)
+                            : std::nullopt;
   if (!stamp) return std::nullopt;
+  if (!dated) {
+    const bool of_hour =
+        text.find(':') == text.rfind(':') && text.find_first_of(".,") != std::string_view::npos;
+    const std::int64_t period = of_hour ? 3600 : 86400;
+    while (last_time_of_day_ && stamp->seconds < *last_time_of_day_ - period / 2) {
+      stamp->seconds += period;
+      remark_ = of_hour ? "they run over the full hour" : "they run over midnight";
+    }
+    last_time_of_day_ = stamp->seconds;
+  }
   if (!origin_) origin_ = stamp;
   return seconds(*stamp);
+}
+
+/// Seconds of a counter of milli-, micro- or nanoseconds, such as micros() of Arduino, that has 32 bits: it
+/// falls from close below 2^32 to close above 0.
+double LogClock::unwrapped(double number, const Unit& unit) {
+  constexpr double turn = 0x1p32, near = 0x1p26;
+  if (last_number_ > turn - near && last_number_ < turn && number >= 0 && number < near) {
+    ++rollovers_;
+    remark_ = "their counter of 32 bits rolls over";
+  }
+  last_number_ = number;
+  return unit.in_si(number + rollovers_ * turn);
 }
 
 double LogClock::seconds(const TimeStamp& stamp) {

@@ -26,18 +26,26 @@ std::string epoch_unit(double stamp);
 class LogClock {
  public:
   /// @param text  a decimal number in `unit` or, for a unit of 1 s, `2026-05-01T12:00:00.5Z` (ISO 8601),
-  /// `26.11.2026 17:16:42,123`, or a time of day; memory as of CsvReader::chosen_text
+  /// `26.11.2026 17:16:42,123`, or a time of day, of the next day (`mm:ss.5` of the next hour) where it falls
+  /// by more than half of one; a counter of 32 bits may roll over; memory as of CsvReader::chosen_text
   /// @returns empty if it is none, or out of the range of double
   std::optional<double> seconds(std::string_view text, const Unit&, WrittenNumbers&);
 
   double seconds(const TimeStamp&);
   double seconds(double stamp);  ///< [s]
 
+  /// What the stamps are taken for that are no plain time: "" or "they run over midnight".
+  const std::string& remark() const { return remark_; }
   /// Recorded time of the origin [s].
   double origin() const;
 
  private:
   std::optional<TimeStamp> origin_;
+  double unwrapped(double number, const Unit&);
+
+  std::optional<std::int64_t> last_time_of_day_;  ///< [s], over all days
+  double last_number_ = 0, rollovers_ = 0;        ///< of a counter of 32 bits
+  std::string remark_;
 };
 
 }  // namespace qerr

@@ -195,7 +195,13 @@ class ColumnFinder {
       });
       if (found) continue;
       std::vector<std::string> all;
-      for (const LogHeader& h : table_.header()) all.push_back(h.text);
+      for (const LogHeader& h : table_.header()) {
+        if (h.meaning.mapped && h.text == source.column)
+          throw Error({h.place, "log.columns." + source.signal, "a column is one quantity of the log",
+                       quoted(source.column) + ", which is mapped to " + quoted(h.meaning.signal) + ", too",
+                       "take out one of the two mappings"});
+        all.push_back(h.text);
+      }
       throw Error({table_.header()[0].place, "log.columns." + source.signal, "the log has no such column",
                    quoted(source.column), did_you_mean(source.column, all)});
     }

@@ -110,9 +110,14 @@ struct GuessedColumn {
 
 std::vector<double> numbers_of(const std::vector<std::string>& texts) {
   std::vector<double> numbers;
+  LogClock clock;
+  WrittenNumbers written;
   for (std::string text : texts) {
-    make_plain_number(text);
-    if (const auto number = parse_number(text)) numbers.push_back(*number);
+    if (!make_decimal_notation(text)) make_plain_number(text);
+    if (const auto number = parse_number(text))
+      numbers.push_back(*number);
+    else if (const auto stamp = clock.seconds(text, Unit{}, written))
+      numbers.push_back(*stamp);
   }
   return numbers;
 }

@@ -31,7 +31,7 @@ double StampReader::operator()() {
   const std::string_view text = table_.chosen_text(text_);
   if (const auto seconds = clock_.seconds(text, unit_, written_)) return *seconds;
   std::string plain(text);
-  if (remove_thousands(plain)) {
+  if (make_decimal_notation(plain) || remove_thousands(plain)) {
     const std::size_t size = plain.size();
     plain += '\n';  // ends the number
     if (const auto seconds = clock_.seconds(std::string_view(plain).substr(0, size), unit_, written_))

@@ -286,6 +286,7 @@ std::uint64_t LogTable::size() const {
 
 std::vector<std::string> LogTable::warnings() const {
   std::vector<std::string> all;
+  if (!clock_->remark().empty()) all.push_back(file_ + ": stamps: " + clock_->remark());
   for (const File& file : files_)
     for (std::string& warning : file.samples->warnings()) all.push_back(std::move(warning));
   if (dropped_ > 0)

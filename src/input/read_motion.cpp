@@ -123,14 +123,6 @@ NamedEffects named_effects(const std::vector<Field>& entries) {
   return named;
 }
 
-/// Whether the way from base to tip leads from the child of a joint to its parent: the axis is reversed then.
-bool leads_to_parent(const RobotModel& robot, const Chain& chain, const std::string& joint) {
-  const auto at = find_joint(chain, joint);
-  const auto in_urdf =
-      std::find_if(robot.joints.begin(), robot.joints.end(), [&](const Joint& j) { return j.name == joint; });
-  return at && in_urdf != robot.joints.end() && chain.joints[*at].axis.dot(in_urdf->axis) < 0;
-}
-
 /// An entry of `effects`: an effect for each joint that its `joint` names, or whose pattern it fits and that
 /// no entry of the same type names.
 void read_effect(const Field& f, const NamedEffects& named, const RobotModel& robot, Spec& spec) {
@@ -152,11 +144,6 @@ void read_effect(const Field& f, const NamedEffects& named, const RobotModel& ro
                                              o.at("joint").node->place, o.at("joint").path)) {
     const std::string& name = spec.model.chain.independent[index].name;
     if (*o.text("joint") != name && named.contains({std::string(kind.name), name})) continue;
-    if (kind.displacements && leads_to_parent(robot, spec.model.chain, name))
-      throw Error(o.at("joint").fault(
-          "the way from base to tip leads from this joint's child to its parent: a displacement before it on "
-          "the way is, in the URDF, the opposite one of the <origin> of the joint that is passed before",
-          "correct that <origin> in the URDF, or choose a base above"));
     of_joints.guard(spec.model.chain.independent[index], f,
                     [&] { spec.effects.push_back(effect_on(o, kind, format, index, spec)); });
   }

@@ -386,11 +386,9 @@ void SpecReader::read_tips(const Object& robot) {
   spec_.model.chain = spec_.model.tips->front().chain;
   // A mass matrix is that of one chain: without masses, loops need the inertia that the spec states.
   for (ChainJoint& joint : spec_.model.chain.joints) joint.load = {};
-  spec_.warnings.clear();
-  for (std::size_t i = 0; i < tips.size(); ++i)
-    for (std::string& warning : warnings_about(*robot_, (*spec_.model.tips)[i].chain))
-      if (std::find(spec_.warnings.begin(), spec_.warnings.end(), warning) == spec_.warnings.end())
-        spec_.warnings.push_back(std::move(warning));
+  std::vector<const Chain*> chains;
+  for (std::size_t i = 0; i < tips.size(); ++i) chains.push_back(&(*spec_.model.tips)[i].chain);
+  spec_.warnings = warnings_about(*robot_, chains);
   if (tips.size() > 1)
     spec_.warnings.push_back(
         "robot.tips: pictures, `tip.x`, `threshold` and `robot --at` are those of the first, '" +

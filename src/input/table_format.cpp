@@ -229,6 +229,14 @@ bool has_quoted_commas(const std::vector<SampleLine>& lines) {
   return rows > 1;
 }
 
+constexpr std::string_view hexadecimal = "0123456789abcdefABCDEF";
+
+/// `0x1AF`, of at most 13 digits, which a double holds.
+bool is_hexadecimal(std::string_view text) {
+  return text.size() > 2 && text.size() <= 15 && text[0] == '0' && (text[1] | 0x20) == 'x' &&
+         text.find_first_not_of(hexadecimal, 2) == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string_view bare_cell(std::string_view cell) {
@@ -241,6 +249,7 @@ std::string_view bare_cell(std::string_view cell) {
 bool is_unit_behind_comma(std::string_view cell) { return !unit_in_words(cell).empty(); }
 
 bool is_numeric(std::string_view text, char decimal) {
+  if (is_hexadecimal(text)) return true;
   std::size_t i = !text.empty() && (text[0] == '-' || text[0] == '+'), digits = 0;
   bool mark = false;
   for (; i < text.size() && (is_decimal_digit(text[i]) || (text[i] == decimal && !mark)); ++i) {
@@ -248,7 +257,7 @@ bool is_numeric(std::string_view text, char decimal) {
     digits += is_decimal_digit(text[i]);
   }
   if (digits == 0) return false;
-  if (i < text.size() && (text[i] == 'e' || text[i] == 'E')) {
+  if (i < text.size() && std::string_view("eEdD").find(text[i]) != std::string_view::npos) {
     i += 1 + (i + 1 < text.size() && (text[i + 1] == '-' || text[i + 1] == '+'));
     if (i >= text.size()) return false;
     while (i < text.size() && is_decimal_digit(text[i])) ++i;
@@ -306,6 +315,17 @@ std::optional<char> remove_thousands(std::string& cell) {
     return decimal;
   }
   return std::nullopt;
+}
+
+bool make_decimal_notation(std::string& cell) {
+  if (is_hexadecimal(cell)) {
+    cell = std::to_string(std::stoull(cell, nullptr, 16));
+    return true;
+  }
+  const std::size_t exponent = cell.find_first_of("dD");
+  if (exponent == std::string::npos || !is_numeric(cell, '.')) return false;
+  cell[exponent] = 'E';
+  return true;
 }
 
 void make_plain_number(std::string& cell) {

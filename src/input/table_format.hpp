@@ -52,7 +52,11 @@ bool replace_decimal_comma(std::string& cell);
 /// @returns the decimal mark, zero without decimals; empty for any other text, which is not changed
 std::optional<char> remove_thousands(std::string& cell);
 
-/// Either of them, where there is something to change.
+/// Makes `1.5D-03`, as Fortran writes it, `1.5E-03`, and `0x1AF`, a register, `431`. @returns false for any
+/// other text
+bool make_decimal_notation(std::string& cell);
+
+/// Either of the first two, where there is something to change.
 void make_plain_number(std::string& cell);
 
 }  // namespace qerr

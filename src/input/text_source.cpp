@@ -163,8 +163,7 @@ std::size_t TextSource::decoded(std::size_t at, std::string& utf8) const {
   return pair ? 4 : 2;
 }
 
-std::size_t TextSource::read(char* buffer, std::size_t most) {
-  if (!begun_) recognize_encoding();
+std::size_t TextSource::read_text(char* buffer, std::size_t most) {
   if (encoding_ == Encoding::utf8) {
     if (at_ == bytes_.size()) return source_.read(buffer, most);
     const std::size_t count = std::min(most, bytes_.size() - at_);
@@ -180,6 +179,45 @@ std::size_t TextSource::read(char* buffer, std::size_t most) {
   }
   std::memcpy(buffer, text.data(), text.size());
   return text.size();
+}
+
+/// Reads whole lines, and makes them plain.
+std::size_t TextSource::read_lines(char* buffer, std::size_t most) {
+  while (passed_ == plain_ && !(text_ended_ && plain_ == text_.size())) {
+    text_.erase(0, passed_);
+    passed_ = plain_ = 0;
+    if (!text_ended_) {
+      const std::size_t left = text_.size();
+      text_.resize(left + sample_bytes);
+      const std::size_t count = read_text(text_.data() + left, sample_bytes);
+      text_.resize(left + count);
+      text_ended_ = count == 0;
+    }
+    for (std::size_t end = 0; plain_ < text_.size(); plain_ = end) {
+      const std::size_t found = text_.find(layout_.line_end(), plain_);
+      if (found == std::string::npos && !text_ended_) break;
+      end = found == std::string::npos ? text_.size() : found + 1;
+      layout_.make_plain(text_.data() + plain_, text_.data() + end);
+    }
+  }
+  const std::size_t count = std::min(most, plain_ - passed_);
+  std::memcpy(buffer, text_.data() + passed_, count);
+  passed_ += count;
+  return count;
+}
+
+std::size_t TextSource::read(char* buffer, std::size_t most) {
+  if (!begun_) {
+    recognize_encoding();
+    if (recognize_) {
+      text_.resize(sample_bytes);
+      text_.resize(read_text(text_.data(), sample_bytes));
+      layout_ = LineLayout(text_.starts_with("\xEF\xBB\xBF") ? std::string_view(text_).substr(3) : text_);
+      plain_ = layout_.is_plain() ? text_.size() : 0;
+    }
+  }
+  if (!layout_.is_plain() || passed_ < plain_) return read_lines(buffer, most);
+  return read_text(buffer, most);
 }
 
 }  // namespace qerr

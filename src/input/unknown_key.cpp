@@ -106,8 +106,14 @@ Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<
   if (const Node::Entry* section = empty_section_before(*map.node, entry))
     return {entry.key.place, path, "unknown key beside '" + section->key.name + "', which is empty",
             quoted(name), "indent by two spaces what belongs into " + section->key.name};
+  // `order` of `polynomial_order`.
+  const auto part = std::find_if(known.begin(), known.end(),
+                                 [&](const std::string& key) { return key.ends_with('_' + name); });
+  if (part != known.end())
+    return {entry.key.place, path, "unknown key", quoted(name), "did you mean " + quoted(*part) + "?"};
   std::string remedy = did_you_mean(name, known);
-  if (const std::string home = remedy.starts_with("did") ? "" : home_of(name); !home.empty())
+  if (const std::string home = remedy.starts_with("did") ? "" : home_of(name);
+      !home.empty() && !(path.ends_with(".lowpass." + name) && home.find("lowpass") != std::string::npos))
     remedy = quoted(name) + " belongs " + home;
   return {entry.key.place, path, "unknown key", quoted(name), remedy};
 }

@@ -28,9 +28,10 @@ class Builder {
                         "a joint between base and tip must be revolute, continuous, prismatic or fixed",
                         joint.type == JointType::floating ? "a floating joint" : "a planar joint",
                         "choose robot.base and robot.tip so that it is not between them"});
-    const Eigen::Matrix3d axes_before = pending_.linear();
+    const Eigen::Matrix3d parent_axes =
+        upward ? Eigen::Matrix3d(joint.origin.linear().transpose()) : pending_.linear();
     if (!upward) pending_ = pending_ * joint.origin;
-    if (joint.type != JointType::fixed) add_moving(index, axes_before, upward ? -joint.axis : joint.axis);
+    if (joint.type != JointType::fixed) add_moving(index, parent_axes, upward);
     if (upward) pending_ = pending_ * joint.origin.inverse();
   }
 
@@ -42,7 +43,7 @@ class Builder {
   }
 
  private:
-  void add_moving(std::size_t index, const Eigen::Matrix3d& axes_before, const Eigen::Vector3d& axis) {
+  void add_moving(std::size_t index, const Eigen::Matrix3d& parent_axes, bool upward) {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
@@ -57,12 +58,13 @@ class Builder {
     chain_.joints.push_back({joint.name,
                              joint.type == JointType::prismatic,
                              pending_,
-                             axis,
+                             upward ? -joint.axis : joint.axis,
                              static_cast<std::size_t>(found - chain_.independent.begin()),
                              drive.multiplier,
                              drive.offset,
                              {},
-                             axes_before});
+                             parent_axes,
+                             upward});
     pending_ = Eigen::Isometry3d::Identity();
   }
 
@@ -230,34 +232,47 @@ std::vector<NamedTip> make_chains(const RobotModel& robot, const std::string& ba
 }
 
 std::vector<std::string> warnings_about(const RobotModel& robot, const Chain& chain) {
-  const TreePath path = find_path(robot, chain.base, chain.tip);
-  const UsedParts used(robot, path);
+  return warnings_about(robot, {&chain});
+}
+
+std::vector<std::string> warnings_about(const RobotModel& robot, const std::vector<const Chain*>& chains) {
+  std::vector<TreePath> paths;
+  std::vector<UsedParts> used;
+  for (const Chain* chain : chains) {
+    paths.push_back(find_path(robot, chain->base, chain->tip));
+    used.emplace_back(robot, paths.back());
+  }
+  const std::string these = chains.size() > 1 ? "these chains" : "this chain";
   std::vector<std::string> warnings;
   std::map<std::string, std::size_t> place_of_rule;  // in `warnings`
   std::vector<std::size_t> alike;
   std::size_t unused = 0;
   for (const Flaw& flaw : robot.flaws) {
     const bool concerns =
-        used.concerned_by(flaw) || (!flaw.spoils && flaw.joints.empty() && flaw.link.empty());
+        std::any_of(used.begin(), used.end(), [&](const UsedParts& u) { return u.concerned_by(flaw); }) ||
+        (!flaw.spoils && flaw.joints.empty() && flaw.link.empty());
     if (!concerns && ++unused > most_unused_flaws) continue;
     const auto [first, fresh] = place_of_rule.emplace(flaw.fault.rule, warnings.size());
     if (!fresh) {
       ++alike[first->second];
       continue;
     }
-    warnings.push_back(format({flaw.fault}) + (concerns ? "" : " (not used by this chain)"));
+    warnings.push_back(format({flaw.fault}) + (concerns ? "" : " (not used by " + these + ")"));
     alike.push_back(0);
   }
   for (std::size_t i = 0; i < warnings.size(); ++i)
     if (alike[i] > 0) warnings[i] += " (and the same " + counted(alike[i], "more time") + ")";
   if (unused > most_unused_flaws)
-    warnings.push_back(counted(unused - most_unused_flaws, "more flaw") +
-                       " of the URDF outside this chain; qerr robot lists them");
+    warnings.push_back(counted(unused - most_unused_flaws, "more flaw") + " of the URDF outside " + these +
+                       "; qerr robot lists them");
   const auto has_mass = [](const ChainJoint& joint) { return joint.load.mass > 0; };
-  if (path.upward > 0 && std::any_of(chain.joints.begin(), chain.joints.end(), has_mass))
-    warnings.push_back(
-        "robot.base: '" + chain.base +
-        "' is not above the tip: gravity and inertias are those of a robot that is held there");
+  for (std::size_t i = 0; i < chains.size(); ++i)
+    if (paths[i].upward > 0 && std::any_of(chains[i]->joints.begin(), chains[i]->joints.end(), has_mass)) {
+      warnings.push_back(
+          "robot.base: '" + chains[i]->base +
+          "' is not above the tip: gravity and inertias are those of a robot that is held there");
+      break;
+    }
   return warnings;
 }
 
@@ -275,6 +290,11 @@ std::optional<std::size_t> find_joint(const Chain& chain, std::string_view name)
       std::find_if(joints.begin(), joints.end(), [&](const ChainJoint& j) { return j.name == name; });
   if (found == joints.end()) return std::nullopt;
   return static_cast<std::size_t>(found - joints.begin());
+}
+
+OriginPlace origin_place(const Chain& chain, std::size_t joint) {
+  const ChainJoint& j = chain.joints.at(joint);
+  return j.upward ? OriginPlace{joint + 1, -j.parent_axes} : OriginPlace{joint, j.parent_axes};
 }
 
 Eigen::Isometry3d forward_kinematics(const Chain& chain, const Eigen::VectorXd& q) {

@@ -23,7 +23,7 @@ bool needs_orientation(const OperationalModel& model) {
 bool same_origins(const Chain& a, const Chain& b) {
   for (std::size_t k = 0; k < a.joints.size(); ++k)
     if (a.joints[k].origin.matrix() != b.joints[k].origin.matrix()) return false;
-  return true;
+  return a.tip_offset.matrix() == b.tip_offset.matrix();
 }
 
 /// Joints that each move by one coordinate with factor 1.
@@ -184,9 +184,9 @@ void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_indepe
   columns_.push_back(column);
 }
 
-void PathErrors::add_origin(const Chain& chain, const IndependentError& s) {
+void PathErrors::add_origin(const IndependentError& s) {
   ErrorColumn column{parts_.size(), 0, false, true, s.link, {}, s.mean, s.half_width};
-  Eigen::Vector3d direction = chain.joints[s.link].parent_axes * s.direction;
+  Eigen::Vector3d direction = s.direction;
   if (s.link > 0) direction = chain_.link_axes[s.link - 1] * direction;
   Eigen::Map<Eigen::Vector3d>(column.direction) = direction;
   columns_.push_back(column);
@@ -200,7 +200,7 @@ void PathErrors::add_columns(const OperationalModel& model) {
     const IndependentError& e = errors[i];
     const double unit = i < per_resolution_.size() ? model.transmission.encoders[i].resolution : 1;
     if (e.where == IndependentError::Where::origin)
-      add_origin(model.chain, e);
+      add_origin(e);
     else
       add_column(model.chain, moved_joints(model.transmission, e) * unit, e.mean / unit, e.half_width / unit);
   }

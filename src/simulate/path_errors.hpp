@@ -73,7 +73,7 @@ class PathErrors {
  private:
   void add_columns(const OperationalModel&);
   void add_column(const Chain&, const Eigen::VectorXd& of_independent, double mean, double half_width);
-  void add_origin(const Chain&, const IndependentError&);
+  void add_origin(const IndependentError&);
   void fix_scale(const OperationalModel&);
   void bound(const OperationalModel&);
   void set_plan(const OperationalModel&);

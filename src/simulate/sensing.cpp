@@ -25,8 +25,10 @@ Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
     if (effect_kind(effect.type).stage != Stage::kinematics) continue;
     const auto moved = find_joint(built, effect.joint);
     if (!moved) continue;  // a mimicked joint outside the chain does not move the tip
-    ChainJoint& joint = built.joints[*moved];
-    joint.origin.pretranslate(effect.number("length") * (joint.parent_axes * displacement_direction(effect)));
+    const OriginPlace place = origin_place(built, *moved);
+    Eigen::Isometry3d& frame =
+        place.link < built.joints.size() ? built.joints[place.link].origin : built.tip_offset;
+    frame.pretranslate(effect.number("length") * (place.axes * displacement_direction(effect)));
   }
   return built;
 }

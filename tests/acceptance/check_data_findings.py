@@ -36,7 +36,7 @@ class Record:
         self.counts = self.count(self.x)
         self.reference = self.x + noise * step * self.rng.standard_normal(rows)
         self.header, self.column, self.decimals = "table.reference [rad]", "table.counts", 10
-        self.timeless, self.time_decimals = False, 6
+        self.timeless, self.time_decimals, self.alone = False, 6, False
 
     def sines(self, size):
         t = self.time / self.time[-1]
@@ -74,7 +74,7 @@ class Record:
 
     def write(self, folder):
         columns = ([] if self.timeless else [("time [s]", self.time, self.time_decimals)]) + [
-            (self.column, self.counts, 0), (self.header, self.reference, self.decimals)]
+            (self.column, self.counts, 0)] + ([] if self.alone else [(self.header, self.reference, self.decimals)])
         lines = [",".join("%.*f" % (d, c[k]) for _, c, d in columns) for k in range(len(self.time))]
         (folder / "log.csv").write_text("\n".join([",".join(h for h, _, _ in columns)] + lines) + "\n")
         (folder / "spec.yaml").write_text(self.spec)
@@ -225,7 +225,34 @@ def both(*changes):
 
 DEG = 180 / np.pi
 # name, words of the finding (None: no finding at all), causes that must not be named, maker
+def alone(r):
+    r.alone = True
+
+
+def stuck(bit):
+    return lambda r: setattr(r, "counts", ((r.counts + 2**20).astype(int) | (1 << bit)) - 2**20)
+
+
+def pause(r):
+    at = np.argmax(np.abs(np.diff(r.x))[300:-700]) + 100  # it moves at the end
+    r.counts[at:at + 200] = r.counts[at]
+
+
+def leap(r):
+    r.counts[6000:] += 900
+
+
+def ripple(r):
+    r.counts = r.count(r.x + 9 * r.step * np.sin(50 * r.x))
+
+
 FAULTS = [
+    ("alone_spikes", r"7 single readings far", set(), made(both(alone, spikes(7, 3000)))),
+    ("alone_held", r"held for about", set(), made(both(alone, hold_counts(5)))),
+    ("alone_pause", r"counts stand for (199|200)", set(), made(both(alone, pause))),
+    ("alone_leap", r"leaps by (89|90)", set(), made(both(alone, leap))),
+    *[(f"alone_bit_{bit}", rf"bit {bit} of the counts", set(), made(both(alone, stuck(bit)))) for bit in (1, 3, 5)],
+    ("alone_ripple", r"ripple: (8|9).*order 1", set(), made(both(alone, ripple), path="ramp", size=2.0)),
     ("degrees", r"57\.3", {"scale", "drift", "offset", "decoding"}, made(unit(DEG))),
     ("arcsec", r"2\.06\de\+05|20626", {"scale", "drift"}, made(unit(3600 * DEG))),
     ("mrad", r"1000", {"scale", "drift"}, made(unit(1000))),
@@ -267,10 +294,11 @@ FAULTS = [
     ("few_rows", r"20 rows", set(), made(lambda r: None, rows=20)),
     ("still", r"move", set(), made(lambda r: None, path="still", rows=2000)),
 ]
-KINDS = {"spike": "corrupt", "stamps_gap": "missing", "stamps_lost": "missing", "stamps_repeated": "repeated", "held": "repeated",
+KINDS = {"alone_spikes": "corrupt", "alone_held": "repeated", "alone_bit": "corrupt", "alone_ripple": "remark", "spike": "corrupt", "stamps_gap": "missing", "stamps_lost": "missing", "stamps_repeated": "repeated", "held": "repeated",
          "reference_held": "repeated", "degrees": "contradictory", "mrad": "contradictory", "millimetres": "contradictory",
          "grid": "remark", "thinned": "remark", "still": "remark", "stamps_rounded": "remark"}
 CLEAN = [
+    *[(f"alone_{path}", made(alone, path=path)) for path in ("sines", "slow", "ramp", "dwells")],
     *[(path, made(lambda r: None, path=path)) for path in ("sines", "slow", "ramp", "dwells")],
     ("fast", made(lambda r: None, rows=3000, size=3.0)),
     ("short", made(lambda r: None, rows=200)),

@@ -58,8 +58,8 @@ class Tree:
         return '<robot name="tree">' + "".join(f'<link name="{l}"/>' for l in self.links) + "".join(self.joints) + "</robot>"
 
 
-def rows_of(chains, names, points, tip, other=None):
-    """Derivatives of x .. rz by the joints `names` at the points: (points, 6, joints)."""
+def rows_of(chains, names, points, tip, other=None, frame="base"):
+    """Derivatives of x .. rz by the joints `names` at the points: (points, 6, joints); in the axes of the base, or of the other tip, or of the tip itself."""
     def pose(q):
         position, rotation = chains[tip].pose(q[:, [names.index(n) for n in chains[tip].names]])
         if other is None:
@@ -77,7 +77,45 @@ def rows_of(chains, names, points, tip, other=None):
         spin = turned.imag / step @ np.transpose(rotation.real, (0, 2, 1))
         rows[:, :3, k] = position.imag / step
         rows[:, 3:, k] = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
+    if frame == "tip":
+        back = np.transpose(rotation.real, (0, 2, 1))
+        rows = np.concatenate([back @ rows[:, :3], back @ rows[:, 3:]], axis=1)
     return rows
+
+
+def check_geometry(t, qerr, folder, tree, chains, names, worst, name):
+    """A displaced <origin> on the way from one tip up to the branch, and down to the other: the same as in a displaced URDF."""
+    passed = [n for n in names if n.startswith(("left", "right")) and f'mimic joint="{n}"' not in tree.urdf()]
+    if tree.tips["left"] == tree.tips["right"] or not passed:
+        return
+    own = list(dict.fromkeys(n for tip in ("left", "right") for n in chains[tip].names))  # of the trunk some cancel
+    length = 2e-3
+    for joint in passed:
+        axis = tree.rng.choice("xyz")
+        (folder / "upward.yaml").write_text(
+            f"qerr: 1\nrobot: {{urdf: tree.urdf, base: {tree.tips['left']}, tip: {tree.tips['right']}}}\nencoders: {{'*': {{resolution: 1e-9}}}}\n"
+            f"effects: [{{type: geometry, joint: {joint}, axis: {axis}, length: {length} m}}]\nconfigurations: {{count: 5}}\n")
+        ran = run(qerr, "analyze", "upward.yaml", "-q", "--per-configuration", "each.csv", cwd=folder)
+        if not t.check(f"{name} geometry of {joint}", ran.code == 0, ran.err.decode()[:300]):
+            continue
+        with open(folder / "each.csv", newline="") as f:
+            table = [{key.split(" [")[0]: float(cell) for key, cell in row.items()} for row in csv.DictReader(f)]
+        at = np.array([[row.get(n, 0.0) for n in own] for row in table])
+
+        def relative(*displaced):
+            poses = []
+            for tip in ("right", "left"):
+                chain = Chain(folder / "tree.urdf", "base", tree.tips[tip])
+                for j in chain.joints:
+                    if j.name in displaced:
+                        j.xyz = j.xyz + length * np.eye(3)["xyz".index(axis)]
+                poses.append(chain.pose(at[:, [own.index(n) for n in chain.names]]))
+            return (np.transpose(poses[1][1], (0, 2, 1)) @ (poses[0][0] - poses[1][0])[:, :, None])[:, :, 0]
+
+        shift = np.abs(relative(joint) - relative())
+        for p, row in enumerate(table):
+            for c, coordinate in enumerate("xyz"):
+                worst.add(f"{name} geometry of {joint} {coordinate}", row[f"position.{coordinate}.worst_case"], shift[p, c], 5e-8)  # of quantization
 
 
 def check_tree(t, qerr, folder, rng, worst, name):
@@ -98,11 +136,22 @@ def check_tree(t, qerr, folder, rng, worst, name):
         return
     with open(folder / "each.csv", newline="") as f:
         table = [{key.split(" [")[0]: float(cell) for key, cell in row.items()} for row in csv.DictReader(f)]
+    check_geometry(t, qerr, folder, tree, chains, names, worst, name)
     pairs = [(tip, None) for tip in tree.tips] + [(a, b) for a in tree.tips for b in tree.tips
                                                   if a != b and tree.tips[a] != tree.tips[b]]
     velocity = filters.impulse(FILTER).astype(float)
     l1, h2 = np.abs(velocity).sum(), math.sqrt((velocity**2).sum())
+    ran = run(qerr, "analyze", "spec.yaml", "-q", "--per-configuration", "each.csv", "--set", "frame=tip", cwd=folder)
+    t.check(f"{name} runs in the axes of the tips", ran.code == 0, ran.err.decode()[:300])
+    with open(folder / "each.csv", newline="") as f:
+        in_tip = [{key.split(" [")[0]: float(cell) for key, cell in row.items()} for row in csv.DictReader(f)]
     for tip, other in pairs:
+        rows = rows_of(chains, names, points, tip, other, "tip")
+        called = tip + (f"-{other}" if other else "")
+        for c, coordinate in enumerate(COORDINATES):
+            for p, row in enumerate(in_tip):
+                worst.add(f"{name} {called}.{coordinate} in the axes of {tip}", row[f"position.{called}.{coordinate}.worst_case"],
+                          np.abs(rows[p, c]) @ delta / 2, np.abs(rows).max() * delta.max() * 1e-9)
         rows = rows_of(chains, names, points, tip, other)
         called = tip + (f"-{other}" if other else "")
         for c, coordinate in enumerate(COORDINATES):

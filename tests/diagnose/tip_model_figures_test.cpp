@@ -35,7 +35,8 @@ TEST(TipModelFigures, OfModelsOfPosedRobotsAreAsMeasured) {
     if (seed % 4 != 0)
       for (ChainJoint& joint : built.chain.joints) joint.origin.translation() += 1e-3 * dice.direction();
     for (std::size_t j = 0; j < built.chain.joints.size(); ++j)
-      tilt(built.chain.joints[j], TipTerm::Kind::axis_tilt, 2e-3 * dice.direction());
+      tilt(built.chain.joints[j], TipTerm::Kind::axis_tilt,
+           built.chain.joints[j].parent_axes * (2e-3 * dice.direction()));
     for (Eigen::Index i = 0; i < built.additions.rows(); ++i)
       built.additions.row(i).setConstant(dice.between(-2e-3, 2e-3));
     for (Eigen::Index k = 0; k < r.evidence.rows(); ++k) {

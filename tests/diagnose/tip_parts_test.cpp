@@ -223,7 +223,7 @@ TEST(TipTerm, TiltsEveryAxisAboutTwoDirectionsAcrossIt) {
       const ChainJoint& joint = chain.joints[t.where];
       ASSERT_EQ(t.directions.cols(), 2);
       EXPECT_LT((t.directions.transpose() * t.directions - Eigen::Matrix2d::Identity()).norm(), 1e-12);
-      const Eigen::Vector3d axis = joint.parent_axes.transpose() * joint.origin.linear() * joint.axis;
+      const Eigen::Vector3d axis = joint.origin.linear() * joint.axis;
       EXPECT_LT((t.directions.transpose() * axis).norm(), 1e-12);
       EXPECT_EQ(t.slides, joint.prismatic);
       EXPECT_FALSE(t.term.named());

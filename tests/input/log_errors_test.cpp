@@ -29,7 +29,7 @@ const std::vector<Faulty> faulty{
     {head + "0,1,-inf\n", "2:5", "found '-inf'"},
     {head + "0,1,1e999\n", "2:5", "found '1e999'"},
     {head + "0,1,1e-999\n", "2:5", "found '1e-999'"},
-    {head + "0,1,0x10\n", "2:5", "found '0x10'"},
+    {head + "0,1,0x1G\n", "2:5", "found '0x1G'"},
     {head + "0,1,1e\n", "2:5", "found '1e'"},
     {head + "0,1,+-1\n", "2:5", "found '+-1'"},
     {head + "0,1,-\n", "2:5", "found '-'"},

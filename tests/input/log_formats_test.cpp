@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "input/log_names.hpp"
 #include "support/log_file.hpp"
 
 /// Logs as programs and spreadsheets write them: each is read as the plain table of the same numbers.
@@ -107,6 +108,59 @@ TEST_F(LogFormats, AreReadInBlocksOfAnySize) {
   }
 }
 
+TEST_F(LogFormats, LinesOfAnyLayoutAreTheirCells) {
+  const Log plain = read(table(plain_header, {}));
+  const auto written = [](const char* format) {
+    std::string text;
+    for (int i = 0; i < rows; ++i) {
+      char line[200];
+      std::snprintf(line, sizeof line, format, 0.01 * i, 7 * i - 100, 0.125 * i - 1);
+      text += line;
+    }
+    return text;
+  };
+  struct Laid {
+    std::string before;
+    const char* format;
+    bool by_number;
+  };
+  for (const Laid& l :
+       {Laid{"", "{\"time [s]\": %.2f, \"shoulder.counts\": %d, \"shoulder.reference [rad]\": %.3f}\n",
+             false},
+        Laid{"", "time:%.2f,shoulder.counts:%d,shoulder.reference:%.3f\n", false},
+        Laid{"", "time=%.2f shoulder.counts=%d shoulder.reference=%.3f\n", false},
+        Laid{"time [s],shoulder.counts,shoulder.reference [rad]\r", "%.2f,%d,%.3f\r", false},
+        Laid{"| time [s] | shoulder.counts | shoulder.reference [rad] |\n|---|---:|---|\n",
+             "| %.2f | %d | %.3f |\n", false},
+        Laid{"", "[%.2f, %d, %.3f]\n", true}, Laid{"", "00:00:%05.2f -> %d,%.3f\n", true}}) {
+    spec = spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}");
+    for (const char* column : {"time=column 1", "shoulder.counts=column 2", "shoulder.reference=column 3"})
+      if (l.by_number) map_column(column, spec);
+    for (const std::size_t block : {std::size_t{1} << 18, std::size_t{7}}) {
+      const Log log = read(l.before + written(l.format), LogOptions{.block_bytes = block});
+      ASSERT_EQ(log.rows, plain.rows) << l.format;
+      ASSERT_LT((log.values - plain.values).abs().maxCoeff(), 1e-12) << l.format;
+    }
+  }
+}
+
+TEST_F(LogFormats, NumbersOfOtherNotations) {
+  const Log log =
+      read("time [s],shoulder.counts,shoulder.reference [rad]\n0.0D+00,0x1F,1.5D-03\n1.0D0,0X20,2.5d-3\n");
+  EXPECT_EQ(values(log, LogSignal::time)[1], 1);
+  EXPECT_EQ(values(log, LogSignal::counts)[0], 31);
+  EXPECT_EQ(values(log, LogSignal::reference)[1] - values(log, LogSignal::reference)[0], 2.5e-3 - 1.5e-3);
+}
+
+TEST_F(LogFormats, SummariesBehindABlankLineAreLeftOut) {
+  const std::string head = "time [s],shoulder.counts\n0,1\n1,2\n";
+  const Log log = read(head + "\nMean,1.5\nMax,2\n\n");
+  EXPECT_EQ(log.rows, 2u);
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_NE(log.warnings[0].find("2 lines of words"), std::string::npos) << log.warnings[0];
+  EXPECT_NE(refusal(head + "Mean,1.5\n"), "accepted") << "a row among the rows is a fault";
+}
+
 struct Header {
   std::string time, reference;  // cells
   double time_unit, reference_unit;
@@ -166,6 +220,18 @@ TEST_F(LogFormats, StampsOfCalendarsAndEpochsAreSeconds) {
     EXPECT_NEAR(time[1] - time[0], s.step, 1e-12) << s.first;
     EXPECT_FALSE(log.warnings.empty()) << s.first << ": is said";
   }
+}
+
+TEST_F(LogFormats, ClocksThatBeginAgainGoOn) {
+  for (const Stamps& s : std::vector<Stamps>{{"time", "23:59:59.75", "00:00:00.25", 0.5},
+                                             {"time", "59:59.75", "00:00.25", 0.5},
+                                             {"time [us]", "4294967290", "4", 1e-5},
+                                             {"time [ms]", "4294967290", "4", 1e-2}}) {
+    const Log log = read(s.header + ",shoulder.counts\n" + s.first + ",1\n" + s.second + ",2\n");
+    EXPECT_NEAR(values(log, LogSignal::time)[1] - values(log, LogSignal::time)[0], s.step, 1e-9) << s.first;
+    EXPECT_FALSE(log.warnings.empty()) << s.first << ": is said";
+  }
+  EXPECT_NE(refusal("time [s],shoulder.counts\n10,1\n4,2\n").find("must not decrease"), std::string::npos);
 }
 
 TEST_F(LogFormats, APointInATableOfDecimalCommasIsAsked) {

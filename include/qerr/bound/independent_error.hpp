@@ -31,13 +31,13 @@ struct IndependentError {
   enum class Where {
     joint,    ///< a joint's coordinate: a column of J
     encoder,  ///< an encoder's coordinate: a column of J C
-    origin    ///< the origin of a joint of the chain, along a direction fixed in the frame before it
+    origin    ///< the origin of a joint of the chain, along a direction fixed in a frame of the chain
   };
   Where where = Where::joint;
   std::size_t owner = 0;  ///< index of the independent joint, or of the encoder, that it is attributed to
-  std::size_t link = 0;   ///< of `origin`: index of the joint of the chain
+  std::size_t link = 0;   ///< of `origin`: the joint of the chain before which it enters (OriginPlace)
   Eigen::Vector3d direction =
-      Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before the joint
+      Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before `link`
   double mean = 0, half_width = 0,
          sigma = 0;  ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
   /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.

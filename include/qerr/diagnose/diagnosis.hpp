@@ -51,11 +51,12 @@ struct Gain {
 };
 
 /// The extended model, simulated along the record: its residual, reading - reference, and the measured one,
-/// as root mean squares of all judged readings.
+/// as root mean squares of all judged readings; of the tip, per logged coordinate, tip of the model -
+/// tracked.
 struct Reproduction {
-  double rms_simulated = 0, rms_measured = 0;  ///< [rad, or m where all joints are prismatic]
-  /// Whether at every joint the readings differ from the simulated positions by no more than the reported
-  /// residual, and a tenth.
+  double rms_simulated = 0, rms_measured = 0;  ///< [rad, or m where all joints are prismatic; m of the tip]
+  /// Whether at every joint, or at the tip, the readings differ from the simulated positions by no more than
+  /// the reported residual, and a tenth.
   bool agrees = true;
 };
 
@@ -138,9 +139,10 @@ struct Diagnosis {
   std::vector<Cause> causes;  ///< in descending order of the variance that they explain
   std::vector<AlternativeCause> alternatives;
   std::vector<Unidentified> unexplained;
-  std::vector<DataFinding> data;      ///< about the record itself
-  std::vector<Visible> visible;       ///< what the record could have shown
-  std::optional<Reproduction> check;  ///< of joints with a reference; empty without one
+  std::vector<DataFinding> data;          ///< about the record itself
+  std::vector<Visible> visible;           ///< what the record could have shown
+  std::optional<Reproduction> check;      ///< of joints with a reference; empty without one
+  std::optional<Reproduction> tip_check;  ///< of the tip; empty if no cause moves it
   Gain gain;  ///< over all joints with a verdict; of the tip if no joint has a reference
   /// What the log has columns of and nothing can be said of: joints, `tip`, or a misspelt coordinate `tip.x`.
   /// A warning says why, or the reason of cannot_judge. Joints of which the log has no column are not

@@ -25,9 +25,10 @@ struct ChainJoint {
   double offset = 0;           ///< [rad or m]
   /// Sum over its child link and everything fixed to it, in the moved joint frame.
   Inertia load = {};
-  /// Rotation, in the previous frame, of the frame of the link before it on the way from the base: of the
-  /// parent link, in which the URDF gives the joint's origin, unless the way leads from child to parent.
+  /// Rotation of the frame of the parent link, in which the URDF gives the joint's <origin>: in the previous
+  /// frame, or in the frame behind its motion if it is passed `upward`.
   Eigen::Matrix3d parent_axes = Eigen::Matrix3d::Identity();
+  bool upward = false;  ///< the way from base to tip leads from its child link to its parent
 };
 
 /// A joint with a coordinate of its own: it has an encoder, and a column in configurations and logs.
@@ -76,8 +77,9 @@ struct NamedTip {
 std::vector<NamedTip> make_chains(const RobotModel&, const std::string& base,
                                   const std::vector<std::pair<std::string, std::string>>& tips);
 
-/// The flaws of the URDF that the chain tolerates, one text for all of one kind; few of those in parts that
-/// the chain does not use.
+/// The flaws of the URDF that the chains tolerate, one text for all of one kind; few of those in parts that
+/// no chain uses.
+std::vector<std::string> warnings_about(const RobotModel&, const std::vector<const Chain*>&);
 std::vector<std::string> warnings_about(const RobotModel&, const Chain&);
 
 /// Index of the independent joint of this name.
@@ -87,6 +89,17 @@ std::size_t independent_index(const Chain&, std::string_view name);
 /// Index of the moving joint of this name in Chain::joints; empty if the chain does not contain it (such as a
 /// master of which only mimics move the tip).
 std::optional<std::size_t> find_joint(const Chain&, std::string_view name);
+
+/// Where a displaced <origin> of a joint enters the chain.
+struct OriginPlace {
+  std::size_t link;  ///< in the frame before this joint of the chain; Chain::joints.size(): before the tip
+  Eigen::Matrix3d
+      axes;  ///< displacement in that frame of all that follows, per displacement in the parent link
+};
+
+/// Of the joint of the chain with this index. A joint that is passed upward has its parent behind it: the
+/// parent moves against the displacement.
+OriginPlace origin_place(const Chain&, std::size_t joint);
 
 /// Pose of the tip in the base frame at the independent coordinates q [rad or m].
 Eigen::Isometry3d forward_kinematics(const Chain&, const Eigen::VectorXd& q);

@@ -46,8 +46,7 @@ void add_errors(ChainForm& form, const OperationalModel& model, const std::vecto
       add_error(form, model, e);
       continue;
     }
-    const Eigen::Vector3d in_parent = model.chain.joints[e.link].parent_axes * e.direction;
-    form.origins.push_back({e.link, e.link == 0 ? in_parent : axes[e.link - 1].transpose() * in_parent,
+    form.origins.push_back({e.link, e.link == 0 ? e.direction : axes[e.link - 1].transpose() * e.direction,
                             e.half_width, e.mean, e.sigma * e.sigma});
   }
 }

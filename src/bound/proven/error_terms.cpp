@@ -23,14 +23,16 @@ ErrorTerms::ErrorTerms(const OperationalModel& model, std::size_t coordinate, bo
 void ErrorTerms::add_axes(const OperationalModel& model, bool rotation) {
   const std::vector<IndependentError> errors = independent_errors(model);
   axis_of_error_.assign(errors.size(), 0);
+  const auto add_origins = [&](std::size_t link) {
+    for (std::size_t s = 0; s < errors.size() && !rotation; ++s) {
+      if (errors[s].where != IndependentError::Where::origin || errors[s].link != link) continue;
+      axis_of_error_[s] = axes_.size();
+      axes_.push_back({.axis = errors[s].direction});
+    }
+  };
   for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
     const ChainJoint& joint = model.chain.joints[k];
-    for (std::size_t s = 0; s < errors.size() && !rotation; ++s) {
-      const IndependentError& source = errors[s];
-      if (source.where != IndependentError::Where::origin || source.link != k) continue;
-      axis_of_error_[s] = axes_.size();
-      axes_.push_back({.axis = joint.parent_axes * source.direction});
-    }
+    add_origins(k);
     const TermAxis axis{
         joint.origin,     joint.axis,  !joint.prismatic, true, static_cast<std::ptrdiff_t>(joint.coordinate),
         joint.multiplier, joint.offset};
@@ -41,6 +43,7 @@ void ErrorTerms::add_axes(const OperationalModel& model, bool rotation) {
     else
       axes_.push_back(axis);
   }
+  add_origins(model.chain.joints.size());
   tip_ = model.chain.tip_offset;
 }
 

@@ -115,7 +115,7 @@ std::pair<double, double> largest(Function function, double low, double high) {
 /// least of twelve, six of them are exceeded with a probability below 1e-3. A scatter that depends on the
 /// speed is known less well: a factor of 2.2.
 bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, const Eigen::ArrayXd& along,
-               bool uniform) {
+               bool uniform, bool small) {
   constexpr Eigen::Index parts = 12, fewest = 40;
   const Eigen::Index n = squares.size();
   if (n < parts * fewest) return false;
@@ -133,6 +133,9 @@ bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, co
     least = std::min(least, observed / expected);
     most = std::max(most, observed / expected);
   }
+  // At rest quantization errors are one number, of up to half a count: of a small scatter only its excess
+  // tells.
+  if (small) return most > 1.5 && most > 4 * least;
   constexpr double of_speed = 2.2;
   const double of_chance = 1 + 12 / std::sqrt(static_cast<double>(n / parts));
   return most > (uniform ? std::min(of_chance, of_speed) : of_speed) * least;
@@ -287,13 +290,12 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   Eigen::ArrayXd expected = s.expected;
   for (const ScatterCause& cause : random) expected += trials.added(cause.effect);
   const Eigen::ArrayXd squares = (e.measured - e.path - m.addition() - mean_error(e.encoder)).square();
-  // Quantization, 0.29 counts, is even in any case.
-  const bool judged = s.size > 0.4 * e.step();
+  const bool small = s.size <= 0.4 * e.step();
   const bool uniform = std::all_of(random.begin(), random.end(), [](const ScatterCause& c) {
     return effect_kind(c.effect.type).scattering->uniform;
   });
-  if (judged && (is_uneven(squares, expected, e.path, uniform) ||
-                 (e.ordered && is_uneven(squares, expected, e.time, uniform))))
+  if (is_uneven(squares, expected, e.path, uniform, small) ||
+      (e.ordered && is_uneven(squares, expected, e.time, uniform, small)))
     return s;
   for (ScatterCause& cause : random) {
     s.expected += trials.added(cause.effect);

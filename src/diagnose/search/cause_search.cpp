@@ -77,6 +77,7 @@ class CauseSearch {
     // Both loops end: no choice has a refuted family, and the dictionary has finitely many families.
     while (refute(without_contrast(*model_, choice_))) choose();
     while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
+    free_orders();
     distinguish_steps(*model_, choice_);
     return found_causes(*model_, choice_);
   }
@@ -177,6 +178,19 @@ class CauseSearch {
     return scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_) || any;
   }
 
+  /// Orders whose whole number the record does not establish are named no more: they are free ones.
+  void free_orders() {
+    const std::vector<Scanned::Rate> rates = without_whole_number(*model_, choice_);
+    if (rates.empty()) return;
+    for (const Scanned::Rate& r : rates) {
+      std::erase_if(scanned_.orders, [&](const Scanned::Rate& known) { return known.value == r.value; });
+      scanned_.orders.push_back(r);
+      history_.refuted.push_back(family_of_order(r.value));
+    }
+    model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);
+    choose();
+  }
+
   bool refute(const std::vector<std::string>& refuted) {
     history_.refuted.insert(history_.refuted.end(), refuted.begin(), refuted.end());
     return !refuted.empty();
@@ -272,7 +286,11 @@ void distinguish_steps(const ErrorModel& m, Choice& choice) {
         std::abs(counts) * std::sqrt(m.scale(choice) / std::max(m.lost_without(choice, i), 1e-300));
     // Edges that are displaced by up to a tenth of a count, and the motion, bias it by 0.01 at the most (60
     // random records); a slip is anywhere.
-    if (std::abs(counts - std::round(counts)) < 4 * error + 0.02 && std::round(counts) != 0) continue;
+    // Where the interval holds more than one whole number, or half of what is between two, none is
+    // established.
+    if (std::abs(counts - std::round(counts)) < 4 * error + 0.02 && std::round(counts) != 0 &&
+        4 * error < 0.25)
+      continue;
     for (std::size_t g = 0; g < m.candidates().size(); ++g)
       if (m.candidate(g).family == m.candidate(whole).family && m.term(g).step && !m.term(g).named()) {
         choice.chosen[i] = g;

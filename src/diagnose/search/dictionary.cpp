@@ -95,7 +95,7 @@ class Candidates {
   }
 
   std::string family_of_order(const Term& t) const {
-    return "order " + significant(std::abs(wave_number(t.effect, e_.encoder)), 6);
+    return qerr::family_of_order(wave_number(t.effect, e_.encoder));
   }
 
   /// A hysteresis that the reference's path drives, at sizes for which its column is computed from the
@@ -274,6 +274,8 @@ class Candidates {
 };
 
 }  // namespace
+
+std::string family_of_order(double wave_number) { return "order " + significant(std::abs(wave_number), 6); }
 
 Term searchable(Term t) {
   if (t.fixed.size() == 0) return t;

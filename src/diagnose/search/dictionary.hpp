@@ -59,6 +59,9 @@ class Dictionary {
   std::map<std::pair<std::string, double>, Term> histories_;
 };
 
+/// Family of a named order, by its wave number in the joint.
+std::string family_of_order(double wave_number);
+
 /// A term whose constant part is one more column: a linearization is searched as if its parts were free.
 Term searchable(Term);
 

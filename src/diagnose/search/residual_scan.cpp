@@ -238,15 +238,77 @@ bool is_part_of_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
          });
 }
 
+/// Whether the record does not tell a scanned order from the whole numbers beside it: its 95 % interval, from
+/// the derivative of its sine by the order, is wider than half of their distance. A number between is as
+/// likely then.
+bool is_no_whole_number(const ErrorModel& m, const Choice& c, std::size_t i) {
+  const Term& t = m.term(c.chosen[i]);
+  if (!t.named() || !t.harmonic || m.candidate(c.chosen[i]).alternatives <= 1) return false;
+  constexpr double by = 1e-4;
+  const double order = t.effect.number("order");
+  const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
+  const auto columns = [&](double at) -> Eigen::MatrixXd {
+    return periodic_term(m.sampled(), at, of_encoder).columns;
+  };
+  const Eigen::VectorXd slope =
+      (columns(order + by) - columns(order - by)) * m.coefficients(c.chosen, c.fit, i) / (2 * by);
+  const Eigen::MatrixXd others = m.columns(c.chosen);
+  const Eigen::VectorXd weighted = m.weight().matrix().cwiseProduct(slope);
+  const LinearModel alone(others, slope, m.weight().matrix(), others.cols());
+  const Eigen::VectorXd beside = slope - others * alone.fit({}, {}).coefficients;
+  const double information = beside.dot(weighted);
+  return !(information > 0) || 1.96 * std::sqrt(m.scale(c) / information) > 0.25;
+}
+
+/// Whether a name explains as much in many other places of the record: its columns, shifted in time, fit what
+/// the others leave as well as where they belong. So does any curve a slow error that has nothing to do with
+/// it. A shift by a period of the motion changes nothing, and is left out.
+bool fits_anywhere(const ErrorModel& m, const Choice& c, std::size_t i) {
+  constexpr Eigen::Index shifts = 40, fewest = 10;
+  const Term& t = m.term(c.chosen[i]);
+  const Evidence& e = m.sampled();
+  if (!t.named() || t.constant || t.step || t.reshaped || !e.ordered || c.correlation < 1.5) return false;
+  const Eigen::Index n = e.rows();
+  const Eigen::ArrayXd target = c.residual + addition(t, m.coefficients(c.chosen, c.fit, i));
+  const double gain = m.gain(t, target);
+  Term shifted = t;
+  Eigen::Index other = 0, as_good = 0;
+  for (Eigen::Index s = 1; s < shifts; ++s) {
+    const Eigen::Index by = s * n / shifts;
+    shifted.columns.topRows(n - by) = t.columns.bottomRows(n - by);
+    shifted.columns.bottomRows(by) = t.columns.topRows(by);
+    double alike = 0, all = 0;
+    for (Eigen::Index k = 0; k < t.size(); ++k) {
+      const Eigen::ArrayXd column =
+          t.columns.col(k) - (t.columns.col(k) * m.weight()).sum() / m.weight().sum();
+      alike += m.gain(shifted, column);
+      all += (column.square() * m.weight()).sum();
+    }
+    if (alike > 0.3 * all) continue;
+    ++other;
+    as_good += m.gain(shifted, target) >= gain;
+  }
+  return other >= fewest && 10 * as_good > other;
+}
+
 }  // namespace
 
 std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) {
   std::vector<std::string> families;
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
-        is_part_of_curve(m, c, i))
+        is_part_of_curve(m, c, i) || fits_anywhere(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
+}
+
+std::vector<Scanned::Rate> without_whole_number(const ErrorModel& m, const Choice& c) {
+  std::vector<Scanned::Rate> rates;
+  for (std::size_t i = 0; i < c.chosen.size(); ++i)
+    if (is_no_whole_number(m, c, i))
+      rates.push_back({std::abs(wave_number(m.term(c.chosen[i]).effect, m.sampled().encoder)),
+                       m.candidate(c.chosen[i]).alternatives});
+  return rates;
 }
 
 namespace {

@@ -22,12 +22,16 @@ bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 /// - an order above 1 of which less than half a period is seen, beside an uncatalogued shape or an order of
 ///   which less than a period is: together they are one curve, as other orders make it, too;
 /// - a name that explains little without the uncatalogued shapes: it only corrects these;
-/// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed.
+/// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed;
+/// - a name that, beside a correlated remainder, explains as much where its columns are shifted in time.
 std::vector<std::string> without_contrast(const ErrorModel&, const Choice&);
 
 /// Families of the chosen terms that the quantizer alone would bring: the fit without the term, sent through
 /// the quantizer along the same path with new noise, is analysed with it. Its decrease of the sum of squares
 /// is compared with the mean decrease in nine such simulations (F test, error rate 1 %).
 std::vector<std::string> brought_by_rounding(const ErrorModel&, const Choice&, std::uint64_t seed);
+
+/// Rates of the chosen whole orders that the record does not tell from a number between two of them.
+std::vector<Scanned::Rate> without_whole_number(const ErrorModel&, const Choice&);
 
 }  // namespace qerr

@@ -82,8 +82,8 @@ namespace {
 bool affects_verdict(const Unidentified& residual, const std::vector<Cause>& causes) {
   constexpr double worth = 0.1;
   return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
-    return c.effect.joint == residual.joint && residual.amplitude < worth * c.gain.rms_before &&
-           c.gain.rms_after < worth * c.gain.rms_before;
+    return (c.gain.of_tip ? residual.joint == "tip" : c.effect.joint == residual.joint) &&
+           residual.amplitude < worth * c.gain.rms_before && c.gain.rms_after < worth * c.gain.rms_before;
   });
 }
 
@@ -96,7 +96,9 @@ Verdict verdict(const Diagnosis& d, bool judged) {
   if (!d.alternatives.empty()) return Verdict::ambiguous;
   const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
                                     [&](const Unidentified& u) { return affects_verdict(u, d.causes); });
-  return counting || (d.check && !d.check->agrees) ? Verdict::partly_explained : Verdict::explained;
+  const auto differs = [](const std::optional<Reproduction>& check) { return check && !check->agrees; };
+  return counting || differs(d.check) || differs(d.tip_check) ? Verdict::partly_explained
+                                                              : Verdict::explained;
 }
 
 }  // namespace qerr

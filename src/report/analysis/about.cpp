@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/page/markup.hpp"
@@ -40,8 +41,9 @@ std::string encoders_of(const Spec& spec) {
     const Encoder& encoder = spec.model.transmission.encoders[i];
     const EncoderFigures& figures = spec.encoder_figures[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
-    std::string text = readable(encoder.resolution, unit) + " at the joint, " +
-                       significant(figures.counts_per_rev, 7) + " counts a revolution";
+    std::string text = readable(encoder.resolution, unit) + " at the joint";
+    if (!joint.prismatic() || encoder_kind(figures.kind).counts_per_rev)  // not a linear scale
+      text += ", " + significant(figures.counts_per_rev, 7) + " counts a revolution";
     if (figures.gear_ratio != 1) text += ", gear ratio " + significant(figures.gear_ratio, 6);
     if (encoder.accuracy > 0) text += ", accuracy " + readable(encoder.accuracy, unit);
     const std::string name = name_markup(joint.name);

@@ -187,6 +187,8 @@ RowsOf<DiagnosisReport> rows(Of<DiagnosisReport>) {
              {"gain", of_diagnosis(&Diagnosis::gain), "of the extended model, over all judged joints"},
              {"check", of_diagnosis(&Diagnosis::check),
               "residual, reading - reference; null without a joint that is judged"},
+             {"tip_check", of_diagnosis(&Diagnosis::tip_check),
+              "the same of the tip, model - tracked [m]; null if no cause moves it"},
              {"extended_model", &DiagnosisReport::extended_model, "its file", nullable},
              {"warnings", &DiagnosisReport::warnings}});
 }

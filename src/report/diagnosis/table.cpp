@@ -173,6 +173,18 @@ std::string remainder_line(const std::string& place, const Gain& g) {
 
 }  // namespace
 
+namespace {
+
+/// `all joints: the extended model, simulated along the record: 5.5 mrad rms, measured 5.52 mrad`.
+std::string reproduction_line(const std::string& place, const Reproduction& check, const std::string& unit) {
+  return place + ": the extended model, simulated along the record, errs by " +
+         readable(check.rms_simulated, unit) + " rms, the record by " + readable(check.rms_measured, unit) +
+         (check.agrees ? ""
+                       : ": they differ by more than what the causes leave, and `explained` is not said");
+}
+
+}  // namespace
+
 std::vector<std::string> remainder_lines(const Diagnosis& d) {
   if (d.verdict == Verdict::cannot_judge) return {};
   std::vector<std::string> seen, out;
@@ -183,6 +195,11 @@ std::vector<std::string> remainder_lines(const Diagnosis& d) {
   }
   if (seen.empty() && d.gain.rms_after > 0)
     out.push_back(remainder_line(d.gain.of_tip ? "the tip" : "all joints", d.gain));
+  const bool of_joints =
+      std::any_of(d.causes.begin(), d.causes.end(), [](const Cause& c) { return !c.gain.of_tip; });
+  if (d.check && of_joints)
+    out.push_back(reproduction_line("all joints", *d.check, d.gain.of_tip ? "rad" : d.gain.unit));
+  if (d.tip_check) out.push_back(reproduction_line("the tip", *d.tip_check, "m"));
   return out;
 }
 

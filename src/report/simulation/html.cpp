@@ -43,6 +43,8 @@ std::string cutoff_answer(const SimulationReport& r) {
 }
 
 std::string simulation_answer(const SimulationReport& r) {
+  if (r.spec.model.tips)
+    return "Of several tips none is compared: with one robot.tip its errors along the motion are here.";
   RatioRange sigma, peak;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
@@ -192,6 +194,7 @@ page::Page page_of(const SimulationReport& r) {
     add("Velocity estimators", estimator_figures(r));
     return page;
   }
+  if (r.spec.model.tips) return page;
   add("Simulation and theory",
       page::side_by_side(prediction_figure(r) + "<div>" + factor_table(r) + "</div>") + deviation_list(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());

@@ -109,6 +109,12 @@ std::string to_table(const SimulationReport& r, const Style& style) {
                             " samples, the first " + std::to_string(s.settling) + " discarded\n";
   if (!r.estimators.empty()) return within(title + estimator_table(r, style), style.width);
   if (r.cutoffs) return within(title + cutoff_table(r, style), style.width);
+  if (r.spec.model.tips)
+    return within(title +
+                      "\nNo figure: of several tips none is compared; --log writes the joints' log, and with "
+                      "one `robot.tip` "
+                      "its errors are.\n",
+                  style.width);
   const std::string exact =
       r.spec.effects.empty() ? "exact at its speeds" : "exact at its speeds for quantization alone";
   return within(

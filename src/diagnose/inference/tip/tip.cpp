@@ -129,6 +129,61 @@ bool improves(const TipModel& found, const Gain& gain) {
   return (found.terms().empty() && found.frames() == UnknownFrames::none) || gain.lower > 1;
 }
 
+/// The extended model along the record: its tip at the readings less the causes' additions, rows x logged
+/// coordinates [m].
+Eigen::MatrixXd simulated_tip(const OperationalModel& model, const TipModel& m) {
+  const TipEvidence& e = m.evidence();
+  const Eigen::VectorXd mean = mean_errors(model.transmission);
+  Eigen::MatrixXd tips(e.rows(), e.tip.rows());
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    const TipPose p = m.estimate().pose(e, k);
+    tips.row(k) = (p.tip - p.encoders * mean)(e.axes).transpose();
+  }
+  return tips;
+}
+
+/// What the simulation leaves of what was tracked, beside the zeros of encoders, which are free unless they
+/// are known.
+Eigen::MatrixXd left_by_simulation(const TipModel& m, const Eigen::MatrixXd& simulated) {
+  Eigen::MatrixXd residual = simulated - m.evidence().tip.transpose();
+  if (m.nuisance() == 0) return residual;
+  Eigen::MatrixXd free(residual.size(), m.nuisance());
+  const Eigen::MatrixXd columns = m.all_columns();
+  for (Eigen::Index i = 0; i < free.cols(); ++i) free.col(i) = m.in_base(columns.col(i)).reshaped();
+  residual.reshaped() -= free * least_norm_solution(free, residual.reshaped());
+  return residual;
+}
+
+/// @param without  rms of the model without causes less what was tracked
+Reproduction reproduction(const OperationalModel& model, const TipModel& m, const Eigen::MatrixXd& simulated,
+                          const Eigen::MatrixXd& left, double without, const Gain& gain) {
+  const TipEvidence& e = m.evidence();
+  double moved = 0;
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    moved += (forward_kinematics(model.chain, e.joints.col(k)).translation()(e.axes) -
+              simulated.row(k).transpose())
+                 .squaredNorm();
+  const double floor = std::pow(m.solution().sigma, 2) + m.quantization();
+  constexpr double tenth = 1.1;
+  return {std::sqrt(moved / static_cast<double>(e.tip.size()) + floor), without,
+          rms(left.reshaped()) <= tenth * std::max(gain.rms_after, std::sqrt(floor))};
+}
+
+/// Mean square per coordinate that the causes explain [m^2].
+double explained(const Gain& gain) { return std::pow(gain.rms_before, 2) - std::pow(gain.rms_after, 2); }
+
+/// Whether what remains has more of a structure than the causes explain: they are its share in their columns
+/// then.
+bool outweighs(const Unidentified& left, const Gain& gain) {
+  return 0.5 * left.amplitude * left.amplitude > explained(gain);
+}
+
+/// Whether what remains beside causes may be theirs: the fit is linear in the encoders' errors, and leaves up
+/// to a tenth of their size.
+bool is_linearization(const Unidentified& left, const Gain& gain) {
+  return 0.5 * left.amplitude * left.amplitude < 0.01 * explained(gain);
+}
+
 /// What to record to distinguish two causes.
 std::string record(const TipAlternative& a, const TipTerm& chosen) {
   if (a.everywhere) return "no pose distinguishes them: measure the link or the joint's zero directly";
@@ -278,9 +333,12 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const double without = rms_without_causes(model, *e);
   const TipModel alone(model, *e, UnknownFrames::none, seed);
   d.gain = gain_of(s.model, alone);
-  if (!improves(s.model, d.gain)) {
+  const Eigen::MatrixXd simulated = simulated_tip(model, s.model),
+                        residual = left_by_simulation(s.model, simulated);
+  std::vector<Unidentified> left = tip_remainder(s.model, s.model.in_base(s.model.solution().residual));
+  if (!improves(s.model, d.gain) || (!left.empty() && outweighs(left.front(), d.gain))) {
     d.gain = gain_of(alone, alone);
-    d.unexplained = tip_remainder(alone);
+    d.unexplained = tip_remainder(alone, alone.in_base(alone.solution().residual));
     find_unseen(model, *e, d);
     return d;
   }
@@ -291,11 +349,11 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
         {"tip", "no error of the catalogue brings the model near the tip", {}, {}, without});
     return d;
   }
+  d.check = reproduction(model, s.model, simulated, residual, without, d.gain);
   name_frames(s.model, d);
   name_causes(s, d);
-  // Beside causes, what the linearized fit leaves of them has a structure, too.
-  if (s.model.terms().empty() && s.model.frames() == UnknownFrames::none)
-    for (Unidentified& left : tip_remainder(s.model)) d.unexplained.push_back(std::move(left));
+  for (Unidentified& u : left)
+    if (!is_linearization(u, d.gain)) d.unexplained.push_back(std::move(u));
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

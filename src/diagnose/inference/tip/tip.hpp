@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct TipDiagnosis {
   std::vector<AlternativeCause> alternatives;
   std::vector<Unidentified> unexplained;
   Gain gain;  ///< per coordinate of the tip [m]
+  std::optional<Reproduction> check;
   std::vector<std::string> warnings;
 };
 

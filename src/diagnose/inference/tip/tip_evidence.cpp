@@ -169,7 +169,7 @@ TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
     const ChainJoint& joint = chain.joints[static_cast<std::size_t>(j)];
     const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
     p.motion.push_back(motion);
-    p.parent.push_back(frame.linear() * joint.parent_axes);
+    p.before.push_back(frame.linear());
     frame = frame * joint.origin;
     p.origin.col(j) = frame.translation();
     p.axis.col(j) = frame.linear() * joint.axis;
@@ -178,6 +178,7 @@ TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
     else
       frame.rotate(Eigen::AngleAxisd(motion, joint.axis));
   }
+  p.before.push_back(frame.linear());
   frame = frame * chain.tip_offset;
   p.tool = frame.linear();
   p.tip = frame * tool;
@@ -216,7 +217,7 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       break;
     case Kind::geometry:
       // The true joint is displaced from the model's: estimate - true is minus the displacement.
-      columns = -p.parent[where] * directions;
+      columns = -p.before[where] * directions;
       break;
     case Kind::frame_tilt:
     case Kind::axis_tilt: {
@@ -228,7 +229,7 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
         return (about - Eigen::AngleAxisd(p.motion[where], axis) * about).cross(arm);
       };
       for (Eigen::Index i = 0; i < columns.cols(); ++i)
-        columns.col(i) = -displaced(p.parent[where] * directions.col(i));
+        columns.col(i) = -displaced(p.before[where] * directions.col(i));
       break;
     }
     case Kind::base:
@@ -259,8 +260,9 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
     for (const EffectKind& kind : effect_kinds())
       if (kind.displacements)
         for (Term& t : kind.displacements(name)) {
-          const Eigen::Vector3d direction = displacement_direction(t.effect);
-          terms.push_back({TipTerm::Kind::geometry, std::move(t), j, direction});
+          const OriginPlace place = origin_place(chain, j);
+          const Eigen::Vector3d direction = place.axes * displacement_direction(t.effect);
+          terms.push_back({TipTerm::Kind::geometry, std::move(t), place.link, direction});
         }
   }
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
@@ -275,8 +277,7 @@ std::vector<TipTerm> tilt_terms(const Chain& chain) {
   std::vector<TipTerm> terms;
   for (std::size_t j = 0; j < chain.joints.size(); ++j) {
     const ChainJoint& joint = chain.joints[j];
-    const Eigen::Vector3d axis = joint.parent_axes.transpose() * (joint.origin.linear() * joint.axis),
-                          across = axis.unitOrthogonal();
+    const Eigen::Vector3d axis = joint.origin.linear() * joint.axis, across = axis.unitOrthogonal();
     for (const TipTerm::Kind kind : {TipTerm::Kind::frame_tilt, TipTerm::Kind::axis_tilt}) {
       if (kind == TipTerm::Kind::frame_tilt && (j == 0 || joint.prismatic)) continue;
       TipTerm t{kind, {}, j};
@@ -297,7 +298,7 @@ std::vector<TipTerm> tilt_terms(const Chain& chain) {
 
 void tilt(ChainJoint& joint, TipTerm::Kind kind, const Eigen::Vector3d& rotation) {
   if (rotation.norm() == 0) return;
-  const Eigen::AngleAxisd turn(rotation.norm(), joint.parent_axes * rotation.normalized());
+  const Eigen::AngleAxisd turn(rotation.norm(), rotation.normalized());
   const Eigen::Matrix3d frame = joint.origin.linear();
   if (kind == TipTerm::Kind::axis_tilt)
     joint.axis = frame.transpose() * (turn * (frame * joint.axis));

@@ -41,10 +41,11 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vect
 
 /// Kinematic quantities at one row, from which the columns of terms are computed. Base frame, [m].
 struct TipPose {
-  Eigen::Matrix3Xd origin, axis;        ///< of the moving joints
-  std::vector<double> motion;           ///< of each from its zero [rad or m]
-  std::vector<Eigen::Matrix3d> parent;  ///< axes of the frame in which each joint's origin is stated
-  Eigen::Matrix3d tool;                 ///< axes of the tip
+  Eigen::Matrix3Xd origin, axis;  ///< of the moving joints
+  std::vector<double> motion;     ///< of each from its zero [rad or m]
+  std::vector<Eigen::Matrix3d>
+      before;            ///< axes of the frame before each joint of the chain, and before the tip
+  Eigen::Matrix3d tool;  ///< axes of the tip
   Eigen::Vector3d tip;
   Eigen::Matrix3Xd encoders;  ///< tip per encoder, J C: only of joints without a reference
   Eigen::Matrix3Xd joints;    ///< tip per independent joint, J
@@ -72,9 +73,10 @@ struct TipTerm {
   };
   Kind kind = Kind::encoder;
   Term term;              ///< its effect and fill; of an encoder's the columns too
-  std::size_t where = 0;  ///< encoder or moving joint
-  /// Unit vectors in the parent link's axes, one a coefficient: along which geometry displaces, about which a
-  /// tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a fit.
+  std::size_t where = 0;  ///< encoder or moving joint; of geometry, OriginPlace::link
+  /// Unit vectors in the frame before that joint, one a coefficient: along which geometry displaces, about
+  /// which a tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a
+  /// fit.
   Eigen::Matrix3Xd directions = {};
   bool slides = false;      ///< of an axis: its joint is prismatic
   bool kinematic() const {  ///< whether it depends on the pose alone
@@ -94,7 +96,7 @@ std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 std::vector<TipTerm> tilt_terms(const Chain&);
 
 /// Applies a tilt to its joint.
-/// @param rotation  rotation vector in the parent link's axes [rad]
+/// @param rotation  rotation vector in the frame before the joint [rad]
 void tilt(ChainJoint&, TipTerm::Kind, const Eigen::Vector3d& rotation);
 
 /// An encoder's evidence with the estimated additions subtracted from its path.

@@ -85,6 +85,8 @@ class TipModel {
   const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true, without terms [m]
   Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}) const;  ///< nuisance and terms
   Eigen::Index nuisance() const { return nuisance_.cols(); }
+  /// Mean variance of an entry by quantization and the noise of the joints' references [m^2].
+  double quantization() const { return known_.mean(); }
   /// Quantization errors at the tip along the path with random sub-count phases: entries x draws [m].
   const Eigen::MatrixXd& surrogates() const { return surrogates_; }
   /// Entries, which are in the rows' own axes, as rows x coordinates.

@@ -59,14 +59,13 @@ double centre(const std::vector<double>& power, const Band& w, std::size_t width
 
 }  // namespace
 
-std::vector<Unidentified> tip_remainder(const TipModel& m) {
+std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd& left) {
   const TipEvidence& e = m.evidence();
   if (!e.ordered || e.rows() < fewest_ordered_rows) return {};
   const Eigen::ArrayXd time = e.encoders.front().time - e.encoders.front().time[0];
   const double duration = time[time.size() - 1];
   if (!(duration > 0)) return {};
   const double spacing = std::numbers::pi / (2 * duration);
-  const Eigen::MatrixXd left = m.in_base(m.solution().residual);
   const std::vector<double> power = spectrum(left, time, spacing);
   std::array<double, widths.size()> limits{};
   const std::uint64_t noise = stream_seed(m.seed(), "tip remainder");

@@ -13,7 +13,8 @@ namespace qerr {
 /// The periodograms of the remainder's coordinates are compared with those of `TipModel::surrogates` plus
 /// white noise of the fitted sigma, in windows of 4 and of 40 independent frequencies. A window is reported
 /// if its power exceeds that of every window of every surrogate by half, and is 5 % of the whole at least.
+/// @param left  of the fit, rows x logged coordinates [m]
 /// @returns at most one; none of rows without an order
-std::vector<Unidentified> tip_remainder(const TipModel&);
+std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
 }  // namespace qerr

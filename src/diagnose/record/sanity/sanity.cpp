@@ -137,6 +137,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
                           sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
+  for (std::size_t i = 0; i < encoders; ++i) sanity::check_unreferenced(s, i);
   sanity::check_tracker(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity_column(s, i);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);

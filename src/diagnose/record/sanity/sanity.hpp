@@ -48,6 +48,8 @@ struct Sanity {
 /// - efforts in amperes, with another sign, or with friction in them become loads by the masses of the URDF;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;
 /// - velocities of another unit, sign or zero, that wrap, or that are constant;
+/// - of joints without a reference: single readings far off, leaps, holds, stuck bits, ripple at constant
+/// speed;
 /// - `filter_mismatch`: JOINT.velocity is the output of another filter than the spec's;
 /// - `timing_jitter`: JOINT.velocity follows the recorded intervals, not a constant one.
 ///

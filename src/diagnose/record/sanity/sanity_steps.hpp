@@ -94,6 +94,7 @@ void check_stuck_sensor(Sanity&, std::size_t encoder);
 void check_controller_output(Sanity&, std::size_t encoder);
 void check_loads(Sanity&);
 void check_tracker(Sanity&);
+void check_unreferenced(Sanity&, std::size_t encoder);
 void check_velocity_column(Sanity&, std::size_t joint);
 void check_velocity(Sanity&, const std::vector<Filter>&, std::size_t encoder);
 
