@@ -107,11 +107,11 @@ std::string requirement_table(const Spec& spec, const std::vector<RequirementRes
     const Requirement& r = spec.requirements[i];
     const RequirementResult& result = results[i];
     std::string row =
-        "<td>" + drawn_verdict(result) + "</td>" + cell(limited(r)) + cell(readable(result.value, r.unit));
+        "<td>" + drawn_verdict(result) + "</td>" + cell(limited(r)) + cell(value_text(r, result.value));
     if (before)
-      row += cell(readable((*before)[i].value, r.unit) + ((*before)[i].met == result.met ? ""
-                                                          : (*before)[i].met             ? ", met"
-                                                                                         : ", not met"));
+      row += cell(value_text(r, (*before)[i].value) + ((*before)[i].met == result.met ? ""
+                                                       : (*before)[i].met             ? ", met"
+                                                                                      : ", not met"));
     const auto part = part_of_limit(r, result);
     rows.push_back(row +
                    (part ? bar_cell(margin_text(r, result), *part, *part) : cell(margin_text(r, result))));

@@ -576,6 +576,10 @@ ControlTable wall_table(const Spec& spec, const ControlReport& report) {
       {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
   std::string places;
   for (const WallReport& w : report.walls) {
+    if (std::isinf(w.limit.stiffness())) {
+      rows.push_back({shown(w.name), "felt by no joint", "-", "-", "-", "-"});
+      continue;
+    }
     rows.push_back({shown(w.name), readable(w.limit.stiffness(), "N/m"),
                     w.limit.by_quantization() ? "counts, friction" : "rate, damping",
                     shown(spec.model.chain.independent[w.limit.joint()].name), readable(w.sampling, "N/m"),

@@ -268,10 +268,14 @@ std::string limited(const Requirement& r) {
   return r.name() + (r.at_least ? " >= " : " <= ") + limit_text(r);
 }
 
+std::string value_text(const Requirement& r, double value) {
+  return r.of_control && std::isnan(value) ? "unstable" : readable(value, r.unit);
+}
+
 std::string verdict(const Requirement& r, const RequirementResult& result) {
   const std::string required =
       std::string(r.at_least ? "at least " : "at most ") + limit_text(r) + " is required";
-  if (!result.proven) return r.name() + " is " + readable(result.value, r.unit) + ", " + required;
+  if (!result.proven) return r.name() + " is " + value_text(r, result.value) + ", " + required;
   return r.name() + " lies between " + readable(result.proven->lower, r.unit) + ", which is reached, and " +
          readable(result.proven->upper, r.unit) + ", " + required +
          (result.undecided ? ": not proven; " : "") + (result.undecided ? std::string(undecided_remedy) : "");

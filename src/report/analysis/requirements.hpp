@@ -10,6 +10,9 @@ namespace qerr {
 /// `velocity.x.sigma p99 is 1.20 mm/s, at most 1.00 mm/s is required`.
 std::string verdict(const Requirement&, const RequirementResult&);
 
+/// A value of a requirement with its unit; of the loop of an unstable joint `unstable`.
+std::string value_text(const Requirement&, double value);
+
 /// `velocity.x.sigma p99 <= 1.00 mm/s`.
 std::string limited(const Requirement&);
 

@@ -3,6 +3,7 @@
 
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 
 namespace qerr {
@@ -205,7 +206,7 @@ std::string rows_of(const SpecCheck& check) {
   for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = check.analysis.spec.requirements[i];
     const RequirementResult& result = check.results[i];
-    out += row({code(check.analysis.spec.file), code(limited(r)), readable(result.value, r.unit),
+    out += row({code(check.analysis.spec.file), code(limited(r)), value_text(r, result.value),
                 result.met         ? "met"
                 : result.undecided ? "**not proven**"
                                    : "**not met**"});

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
@@ -27,7 +28,7 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     const RequirementResult& result = check.results[i];
     const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
-                    readable(result.value, r.unit), relation, readable(r.limit, r.unit),
+                    value_text(r, result.value), relation, readable(r.limit, r.unit),
                     result.met         ? "met"
                     : result.undecided ? "NOT PROVEN"
                                        : "NOT MET"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 
@@ -105,7 +106,7 @@ std::string requirement_table(const DesignReport& report, const Design& d, const
     const char* const relation =
         r.at_least ? (d.results[i].met ? ">=" : "<") : (d.results[i].met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
-                    readable(d.results[i].value, r.unit), relation, readable(r.limit, r.unit),
+                    value_text(r, d.results[i].value), relation, readable(r.limit, r.unit),
                     d.results[i].met ? margin_text(r, d.results[i]) : "NOT MET", looser});
   }
   if (report.requirement_prices.empty())

@@ -74,8 +74,7 @@ const std::string& joint_of(const SimulationReport& r, const EstimatedVelocity& 
 
 std::vector<std::string> cells_of(const SimulationReport& r, const EstimatedVelocity& e) {
   const std::string unit = speed_unit(r, e);
-  return {escaped(joint_of(r, e), 22),
-          escaped(e.estimator, 40),
+  return {escaped(joint_of(r, e), 22) + ": " + escaped(e.estimator, 40),
           e.kind,
           readable(e.rms, unit),
           e.delay ? readable(*e.delay, "s") : "none",
@@ -85,8 +84,8 @@ std::vector<std::string> cells_of(const SimulationReport& r, const EstimatedVelo
           e.worst_case ? readable(*e.worst_case, unit) : "-"};
 }
 
-const std::vector<std::string> heads{"joint",        "estimator",  "kind",  "total", "delay",
-                                     "by the delay", "noise left", "worst", "bound"};
+const std::vector<std::string> heads{"joint: estimator", "kind",       "total", "delay",
+                                     "by the delay",     "noise left", "worst", "bound"};
 constexpr const char* legend =
     "total: rms of the estimate minus the true velocity; delay: by which the true velocity fits the estimate "
     "best; by the delay: rms of what it alone makes; noise left: rms about the late velocity; worst: largest "

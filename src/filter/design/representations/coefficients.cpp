@@ -15,7 +15,8 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 FilterRepresentation coefficients_representation() {
   return {
       "coefficients",
-      "in place of lowpass: b and a of a transfer function, as scipy.signal.lfilter takes them",
+      "in place of lowpass: numerator and denominator of a transfer function, b and a of "
+      "scipy.signal.lfilter",
       {.name = "numerator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
       {},
       {{.name = "denominator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"}},
