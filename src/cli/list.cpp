@@ -30,8 +30,8 @@ Command list_command() {
   return {"list",
           "What a spec can contain: effects, filters, encoders, coordinates, quantities, units, ...",
           joined({{{.name = "KIND",
-                    .meaning =
-                        "effects, filters, encoders, formats, coordinates, statistics, quantities or units",
+                    .meaning = "effects, filters, estimators, encoders, formats, coordinates, statistics, "
+                               "quantities or units",
                     .required = true,
                     .choices = kinds,
                     .choice = "kind"},

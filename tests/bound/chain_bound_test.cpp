@@ -11,6 +11,7 @@
 #include "bound/proven/rotation_bound.hpp"
 #include "bound/proven/tip_component.hpp"
 #include "support/figure_search.hpp"
+#include "support/random_model.hpp"
 
 namespace qerr {
 namespace {
@@ -117,13 +118,14 @@ void add_sources(Dice& dice, OperationalModel& m, bool origins) {
   m.sources.push_back(
       {.where = IndependentError::Where::encoder, .owner = owner(), .half_width = 3e-5, .sigma = 2e-5});
   if (origins)
-    m.sources.push_back({.where = IndependentError::Where::origin,
-                         .owner = owner(),
-                         .link = dice.below(m.chain.joints.size()),
-                         .direction = dice.direction(),
-                         .mean = dice.chance(0.5) ? 1e-5 : 0,
-                         .half_width = 2e-5,
-                         .sigma = 1e-5});
+    m.sources.push_back(testing::in_parent_link({.where = IndependentError::Where::origin,
+                                                 .owner = owner(),
+                                                 .link = dice.below(m.chain.joints.size()),
+                                                 .direction = dice.direction(),
+                                                 .mean = dice.chance(0.5) ? 1e-5 : 0,
+                                                 .half_width = 2e-5,
+                                                 .sigma = 1e-5},
+                                                m.chain));
 }
 
 TEST(ChainBound, HoldsWithoutLeversAndWithoutTurns) {

@@ -139,6 +139,10 @@ RobotCase mounted(const RobotCase& r, const Eigen::Isometry3d& place) {
   moved.robot.links.insert(moved.robot.links.begin(), "world");
   moved.robot.joints.insert(moved.robot.joints.begin(), mount);
   moved.model.chain = make_chain(moved.robot, "", "");
+  for (IndependentError& s : moved.model.sources)  // the same in the joint's parent link
+    if (s.where == IndependentError::Where::origin)
+      s.direction = moved.model.chain.joints[s.link].parent_axes *
+                    r.model.chain.joints[s.link].parent_axes.transpose() * s.direction;
   return moved;
 }
 

@@ -16,6 +16,7 @@
 #include "qerr/filter/family.hpp"
 #include "support/design_filter.hpp"
 #include "support/random_chain.hpp"
+#include "support/random_model.hpp"
 
 namespace qerr {
 namespace {
@@ -49,13 +50,14 @@ OperationalModel random_model(Dice& dice, std::size_t joints) {
   if (dice.chance(0.3))
     m.sources.push_back({.owner = 0, .mean = 1e-4, .half_width = 2e-4, .sigma = 1e-4, .sigma_ratios = {3}});
   if (dice.chance(0.3))
-    m.sources.push_back({.where = IndependentError::Where::origin,
-                         .link = dice.below(m.chain.joints.size()),
-                         .direction = dice.direction(),
-                         .mean = 1e-5,
-                         .half_width = 2e-4,
-                         .sigma = 1e-4,
-                         .sigma_ratios = {5}});
+    m.sources.push_back(testing::in_parent_link({.where = IndependentError::Where::origin,
+                                                 .link = dice.below(m.chain.joints.size()),
+                                                 .direction = dice.direction(),
+                                                 .mean = 1e-5,
+                                                 .half_width = 2e-4,
+                                                 .sigma = 1e-4,
+                                                 .sigma_ratios = {5}},
+                                                m.chain));
   return m;
 }
 

@@ -198,6 +198,18 @@ TEST_F(ControlSection, PlayAndUnequalStatesLastAtRest) {
   EXPECT_THROW(check(controlled(wall + scale + required)), Error) << "not counted in a wall";
 }
 
+TEST_F(ControlSection, ErrorsThatDependOnThePositionChangeTheGainOfALoop) {
+  const auto loop = [&](const std::string& more) { return analyze(controlled(more)).control->loops.front(); };
+  const LoopReport alone = loop(""),
+                   periodic = loop("effects: [{type: eccentricity, joint: j1, amplitude: 0.02}]\n");
+  EXPECT_NEAR(periodic.margins.gain * 1.02, alone.margins.gain, 1e-4 * alone.margins.gain);  // slope 0.02
+  EXPECT_GT(periodic.cycle.bound, 1.02 * alone.cycle.bound);
+  EXPECT_LT(periodic.cycle.bound, 1.2 * alone.cycle.bound) << "by the slope, not by the amplitude";
+  const double more = alone.margins.gain;  // of a slope beyond it
+  EXPECT_FALSE(
+      loop("effects: [{type: eccentricity, joint: j1, amplitude: " + std::to_string(more) + "}]\n").stable);
+}
+
 TEST_F(ControlSection, ATipOfSeveralMovesAsTheOnlyOne) {
   const std::string
       robot = "robot: {urdf: arm.urdf, ",

@@ -10,6 +10,12 @@ inline constexpr Coordinate all_coordinates[] = {Coordinate::x,   Coordinate::y,
                                                  Coordinate::rx,  Coordinate::ry,   Coordinate::rz,
                                                  Coordinate::yaw, Coordinate::roll, Coordinate::pitch};
 
+/// A displaced origin whose direction is in the axes of the joint's parent link, as in a spec.
+inline IndependentError in_parent_link(IndependentError origin, const Chain& chain) {
+  origin.direction = chain.joints[origin.link].parent_axes * origin.direction;
+  return origin;
+}
+
 inline IndependentError random_source(Dice& dice, const Chain& chain, std::size_t filters) {
   IndependentError s;
   s.where = static_cast<IndependentError::Where>(dice.below(3));
@@ -18,6 +24,7 @@ inline IndependentError random_source(Dice& dice, const Chain& chain, std::size_
     s.link = dice.below(chain.joints.size());
     s.owner = chain.joints[s.link].coordinate;
     s.direction = dice.direction();
+    s = in_parent_link(std::move(s), chain);
   }
   s.mean = dice.chance(0.5) ? dice.between(-1e-3, 1e-3) : 0;
   s.half_width = dice.chance(0.7) ? dice.between(0, 1e-3) : 0;
@@ -29,12 +36,13 @@ inline IndependentError random_source(Dice& dice, const Chain& chain, std::size_
 
 /// A displaced origin of the frame of a random joint.
 inline IndependentError displaced_origin(Dice& dice, const Chain& chain) {
-  return {.where = IndependentError::Where::origin,
-          .link = dice.below(chain.joints.size()),
-          .direction = dice.direction(),
-          .mean = 1e-5,
-          .half_width = 2e-4,
-          .sigma = 1e-4};
+  return in_parent_link({.where = IndependentError::Where::origin,
+                         .link = dice.below(chain.joints.size()),
+                         .direction = dice.direction(),
+                         .mean = 1e-5,
+                         .half_width = 2e-4,
+                         .sigma = 1e-4},
+                        chain);
 }
 
 /// A random robot with random encoders, coordinates and sources; or one of the two specialized cases.

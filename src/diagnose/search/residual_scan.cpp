@@ -240,13 +240,16 @@ bool is_part_of_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
 
 /// Whether the record does not tell a scanned order from the whole numbers beside it: its 95 % interval, from
 /// the derivative of its sine by the order, is wider than half of their distance. A number between is as
-/// likely then.
+/// likely then. An arc of less than a turn of the shaft resolves none: there whole numbers are what is known
+/// of shafts.
 bool is_no_whole_number(const ErrorModel& m, const Choice& c, std::size_t i) {
   const Term& t = m.term(c.chosen[i]);
   if (!t.named() || !t.harmonic || m.candidate(c.chosen[i]).alternatives <= 1) return false;
   constexpr double by = 1e-4;
   const double order = t.effect.number("order");
   const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
+  const double of_turn = std::abs(wave_number(t.effect, m.sampled().encoder)) / order;
+  if (m.sampled().range() * of_turn < 2 * std::numbers::pi) return false;
   const auto columns = [&](double at) -> Eigen::MatrixXd {
     return periodic_term(m.sampled(), at, of_encoder).columns;
   };
