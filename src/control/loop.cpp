@@ -261,7 +261,8 @@ std::optional<ClosedLoop> closed(const Loop& loop) {
 
 namespace {
 
-/// Of a gain that varies by 1 -+ slope from place to place: the margins where it is largest and least.
+/// Narrows the margins to those where a gain that varies by 1 -+ slope from place to place is largest and
+/// least.
 void narrow(LoopMargins& m, double slope) {
   if (slope == 0) return;
   for (double& gain : m.critical_gains) gain /= 1 + slope;
@@ -312,10 +313,12 @@ LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, doubl
   // Of rounding to states of one width: the largest N, of a sine across the edges of the narrowest.
   const double largest_on_count = 4 / (std::numbers::pi * reading.narrowest_state);
   LimitCycle c;
-  const double s = reading.slope * motion;
-  c.bound = motion * (lasting + reading.of_position);
-  if (s < 1) c.bound = std::min(c.bound, motion * lasting / (1 - s));
-  c.torque_bound = torque * (lasting + std::min(reading.of_position, reading.slope * c.bound));
+  // Errors before a factor are multiplied by it, and those behind it have its slope.
+  const double factor = std::abs(reading.factor), slope = factor * reading.slope,
+               of_position = std::max(1.0, factor) * reading.of_position;
+  c.bound = motion * (lasting + of_position);
+  if (slope * motion < 1) c.bound = std::min(c.bound, motion * lasting / (1 - slope * motion));
+  c.torque_bound = torque * (lasting + std::min(of_position, slope * c.bound));
   c.torque_step = step * std::abs(reading.count) * count;
   c.on_count = !m.absolutely_stable && std::any_of(m.critical_gains.begin(), m.critical_gains.end(),
                                                    [&](double gain) { return gain <= largest_on_count; });

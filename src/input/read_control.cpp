@@ -1,16 +1,14 @@
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 
 #include "control/loop.hpp"
 #include "control/loop_response.hpp"
 #include "core/suggest.hpp"
+#include "effect/reading.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
-#include "qerr/effect/effect_kind.hpp"
 
 /// Reads the sections `control` and `walls` of a spec.
 namespace qerr {
@@ -242,28 +240,6 @@ void read_walls(const Field& f, Spec& spec, Faults& faults) {
   spec.model.control = std::make_shared<const Control>(std::move(control));
 }
 
-namespace {
-
-/// An error that depends on the position alone, of which its table has the period: half width and slope.
-void add_error_of_position(const Effect& e, const EffectKind& kind, const Encoder& encoder, LoopReading& r) {
-  const double period = kind.table && kind.table->period ? kind.table->period(e, encoder) : 0;
-  if (!(period > 0)) return;
-  const Action action = kind.action(e, encoder, 0);
-  const int samples = 16 * kind.table->points_per_period;
-  double least = std::numeric_limits<double>::infinity(), most = -least, steepest = 0, last = 0;
-  for (int i = 0; i <= samples; ++i) {
-    const double x = period * i / samples, error = action(x, {}) - x;
-    least = std::min(least, error);
-    most = std::max(most, error);
-    if (i > 0) steepest = std::max(steepest, std::abs(error - last));
-    last = error;
-  }
-  r.of_position += 0.5 * (most - least);
-  r.slope += steepest * samples / period;
-}
-
-}  // namespace
-
 void add_loop_readings(const Field& f, Spec& spec) {
   std::vector<Fault> faults;
   Control control = *spec.model.control;
@@ -272,14 +248,7 @@ void add_loop_readings(const Field& f, Spec& spec) {
     const std::string& name = chain.independent[j].name;
     LoopReading& reading = control.joints[j].reading = {};
     for (const Effect& e : spec.effects)
-      if (const EffectKind& kind = effect_kind(e.type);
-          e.joint == name && acts_on_robot(kind) && has_size(e)) {
-        const Encoder& encoder = spec.model.transmission.encoders[j];
-        if (kind.in_loop)
-          kind.in_loop(e, encoder, reading);
-        else if (kind.action)
-          add_error_of_position(e, kind, encoder, reading);
-      }
+      if (e.joint == name) add_to_reading(e, spec.model.transmission.encoders[j], reading);
     if (!control.joints[j].acts()) continue;
     const auto fault = [&](const char* rule, const std::string& found, const char* remedy) {
       faults.push_back({f.node->place, f.path, "the loop of joint '" + name + "' " + rule, found, remedy});

@@ -210,6 +210,20 @@ TEST_F(ControlSection, ErrorsThatDependOnThePositionChangeTheGainOfALoop) {
       loop("effects: [{type: eccentricity, joint: j1, amplitude: " + std::to_string(more) + "}]\n").stable);
 }
 
+TEST_F(ControlSection, AFactorMultipliesWhatStandsBeforeIt) {
+  // Of a reading f (x + e) the error is f e, and beside the same loop the motion that of e.
+  const auto bound = [&](const std::string& effects) {
+    return analyze(controlled("effects: [" + effects + "]\n")).control->loops.front().cycle.bound;
+  };
+  const std::string play = "{type: backlash, joint: j1, gap: 1 rad}",
+                    scale = "{type: scale, joint: j1, scale: ";
+  const double doubled = bound(scale + "0.5}, " + play), counts = bound(scale + "0.5}");
+  const double alone = bound(play), without = bound("");
+  const double norm = without / 5e-4, norm_of_scaled = counts / 5e-4;  // of half a count
+  EXPECT_NEAR(alone - without, norm * 0.5, 1e-9 * alone);
+  EXPECT_NEAR(doubled - counts, norm_of_scaled * 1.5 * 0.5, 1e-9 * doubled);
+}
+
 TEST_F(ControlSection, ATipOfSeveralMovesAsTheOnlyOne) {
   const std::string
       robot = "robot: {urdf: arm.urdf, ",

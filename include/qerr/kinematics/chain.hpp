@@ -97,8 +97,8 @@ struct OriginPlace {
       axes;  ///< displacement in that frame of all that follows, per displacement in the parent link
 };
 
-/// Of the joint of the chain with this index. A joint that is passed upward has its parent behind it: the
-/// parent moves against the displacement.
+/// The place of a joint of the chain, by its index. A joint that is passed upward has its parent behind it:
+/// the parent moves against the displacement.
 OriginPlace origin_place(const Chain&, std::size_t joint);
 
 /// Pose of the tip in the base frame at the independent coordinates q [rad or m].

@@ -57,7 +57,7 @@ EffectKind decoding_effect() {
                 const double factor = e.number("factor");
                 r.factor *= factor;
                 r.count *= factor;
-                if (factor != std::floor(factor)) r.excess += 0.5;  // the product is rounded again
+                if (factor != std::floor(factor)) r.rounding += 0.5;  // the product is rounded again
               },
           .remedy = {false, "set the decoding, or the counts per revolution, in the counter or in the spec"}};
 }

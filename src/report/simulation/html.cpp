@@ -127,7 +127,7 @@ SignalExtent signal_extent(std::size_t bytes, std::size_t signals) {
   return {drawn, std::clamp<std::size_t>(points / 2 - spectrum, of_time, 320), spectrum};
 }
 
-/// Of each signal: error in time, spectrum.
+/// Draws each signal: error in time, spectrum.
 std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
   if (r.simulation.traces.empty()) return "";
   const std::vector<NamedSignal> signals = signals_of(r);
