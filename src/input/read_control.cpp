@@ -62,7 +62,7 @@ JointController read_controller(const Field& f, const IndependentJoint& joint, c
     const NamedFilter& velocity = velocity_of(o, spec, "kd");
     c.velocity = velocity.name;
     c.velocity_filter = velocity.filter;
-  } else if (o.has("velocity")) {
+  } else if (o.has("velocity") && !o.has("kd")) {
     throw Error(o.at("velocity").fault("is used with kd only", "add 'kd: ...', or remove velocity"));
   }
   c.inertia = read_gain(o, "inertia", at_joint(joint, {1, 0, 2, 1}, {-1, 0, 2, 1}), true);

@@ -35,7 +35,10 @@ std::string csv_cell(const std::string& cell) {
   return quoted + '"';
 }
 
-std::string csv_number(double value) { return std::isfinite(value) ? shortest(value) : std::string(); }
+std::string csv_number(double value) {
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return std::isnan(value) ? std::string() : shortest(value);
+}
 
 std::string csv_number(const std::optional<double>& value) {
   return value ? csv_number(*value) : std::string();

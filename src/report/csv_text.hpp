@@ -15,8 +15,8 @@ namespace qerr {
 /// apostrophe, which column_name (input/csv.hpp) removes.
 std::string csv_cell(const std::string& text);
 
-/// The shortest digits that read back as the same double; empty if it is not finite or not known, which
-/// plotting tools read as missing.
+/// The shortest digits that read back as the same double; `inf` of what is unbounded; empty, which plotting
+/// tools read as missing, of what is not known.
 std::string csv_number(double value);
 std::string csv_number(const std::optional<double>& value);
 

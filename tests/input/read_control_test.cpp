@@ -166,7 +166,7 @@ TEST_F(ControlSection, LoopsAreThoseOfTheDelayedOrMultipliedReading) {
     const Analysis a = analyze(controlled(more, changed));
     return a.control->loops.front();
   };
-  const auto gain = [](const LoopReport& l) { return l.margins.gain; };
+  const auto gain = [](const WorstLoop& l) { return l.margins.gain; };
   const double alone = gain(loop(""));
   EXPECT_LT(gain(loop("effects: [{type: latency, joint: j1, delay: 0.3 ms}]\n")), alone);
   EXPECT_DOUBLE_EQ(gain(loop("effects: [{type: latency, joint: j1, delay: 0.3 ms}]\n")),
@@ -200,7 +200,7 @@ TEST_F(ControlSection, PlayAndUnequalStatesLastAtRest) {
 
 TEST_F(ControlSection, ErrorsThatDependOnThePositionChangeTheGainOfALoop) {
   const auto loop = [&](const std::string& more) { return analyze(controlled(more)).control->loops.front(); };
-  const LoopReport alone = loop(""),
+  const WorstLoop alone = loop(""),
                    periodic = loop("effects: [{type: eccentricity, joint: j1, amplitude: 0.02}]\n");
   EXPECT_NEAR(periodic.margins.gain * 1.02, alone.margins.gain, 1e-4 * alone.margins.gain);  // slope 0.02
   EXPECT_GT(periodic.cycle.bound, 1.02 * alone.cycle.bound);

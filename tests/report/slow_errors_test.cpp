@@ -133,7 +133,7 @@ TEST(CountRates, AndSpeedsOfNarrowCountersAreInEveryFormat) {
     EXPECT_NEAR(*largest_speed(spec, 0), largest, 1e-9 * largest);
     const Analysis a = analyze(spec);
     EXPECT_EQ(!count_rate_warnings(spec).empty(), speed > largest);
-    EXPECT_NE(write(a, "csv").find("counter,,table,1/s,count_rate,max,"), std::string::npos);
+    EXPECT_NE(write(a, "csv").find("encoder,,table,1/s,count_rate,max,"), std::string::npos);
     EXPECT_NE(write(a, "table").find("Counters"), std::string::npos);
   }
 }

@@ -255,8 +255,7 @@ Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
   a.resolutions = resolutions(spec.model.transmission);
   add_effects(effects, a.spec);
   a.joints = joint_error(a.spec.model);
-  // Loops and walls take longer than the bounds of one variant of a sweep.
-  if (any_of_control(spec)) a.control = std::make_shared<const ControlReport>(control_report(a.spec));
+  if (spec.model.control) a.control = std::make_shared<const ControlReport>(control_report(a.spec));
   return a;
 }
 
@@ -272,8 +271,6 @@ Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions&
                  const ProofRequest& proofs) {
   Analysis a = analysis_without_warnings(spec, std::move(effects), options);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
-  if (spec.model.control && !a.control)
-    a.control = std::make_shared<const ControlReport>(control_report(a.spec));
   if (a.control)
     for (std::string& warning : control_warnings(spec, *a.control)) a.warnings.push_back(std::move(warning));
   add_proofs(a, proofs, options.threads);

@@ -4,31 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "control/loop.hpp"
-#include "control/walls.hpp"
+#include "bound/control/open_torque.hpp"
+#include "bound/control/worst_loop.hpp"
+#include "bound/control/worst_wall.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
+#include "report/analysis/figure_names.hpp"
 
 /// The section of `analyze` about loops and walls, and its figures in requirements.
 namespace qerr {
-
-/// A joint's loop over the configurations: the least margins and bandwidth, the largest limit cycle.
-struct LoopReport {
-  std::size_t joint = 0;
-  double least_inertia = 0, largest_inertia = 0;  ///< [kg m^2 or kg]
-  bool stable = false;                            ///< at all inertias
-  double unstable_inertia = 0;                    ///< of an unstable loop: one at which it is
-  LoopMargins margins;                            ///< least; of an unstable loop at that inertia
-  LimitCycle cycle;                               ///< largest; of a stable loop
-};
-
-/// A wall: the least limit over the configurations, and where it is.
-struct WallReport {
-  std::string name;
-  WallLimit limit;
-  double sampling = 0, quantization = 0;  ///< the least of either condition [N/m]
-  Eigen::VectorXd at;
-};
 
 /// The largest kd with which a joint's torque meets its requirements, the loop open and kp as stated.
 struct GainReport {
@@ -37,19 +21,11 @@ struct GainReport {
   std::string quantity;  ///< the requirement that limits it
 };
 
-/// What the errors make of a joint's torque, the loop open.
-struct TorqueReport {
-  std::size_t joint = 0;
-  double worst_case = 0;           ///< largest over the configurations [N m or N]
-  std::optional<double> relative;  ///< to the URDF's effort limit
-  Eigen::VectorXd share;           ///< [encoder]: part of the worst case, averaged over the configurations
-};
-
 /// Loops of all joints whose inertia is known, and all walls for which everything is stated.
 struct ControlReport {
-  std::vector<TorqueReport> torques;  ///< of joints with a controller
-  std::vector<LoopReport> loops;
-  std::vector<WallReport> walls;
+  std::vector<OpenTorque> torques;  ///< of joints with a controller
+  std::vector<WorstLoop> loops;
+  std::vector<WorstWall> walls;
   std::vector<GainReport> gains;  ///< of joints with a requirement on their torque
 };
 
@@ -68,6 +44,9 @@ void refuse_changed_loops(const Spec&);
 /// loop, which meets no limit.
 /// @throws Error (input) if it needs what is not stated
 double control_value(const Requirement&, const Spec&, const ControlReport&);
+
+/// The least margin, bandwidth, stiffness and gain over the configurations, the largest cycle.
+std::vector<SingleFigure> control_rows(const Spec&, const ControlReport&);
 
 /// Whether a requirement is on such a figure.
 bool any_of_control(const Spec&);

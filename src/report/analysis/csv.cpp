@@ -1,4 +1,3 @@
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
@@ -14,26 +13,6 @@ std::vector<const StatisticKind*> all_statistics() {
   for (const StatisticKind& kind : statistic_kinds()) all.push_back(&kind);
   return all;
 }
-
-namespace {
-
-/// Rates of counters whose limit is stated, beside their limits [counts/s].
-std::string count_rate_rows(const Spec& spec, const std::string& before) {
-  std::string out;
-  std::optional<EncoderSpeeds> speeds;
-  for (std::size_t i = 0; i < spec.encoder_figures.size(); ++i) {
-    const std::optional<CountLimit> limit = count_limit(spec, i);
-    if (!limit) continue;
-    if (!speeds) speeds = encoder_speeds(spec);
-    const std::string row = before + "counter,," + csv_cell(spec.model.chain.independent[i].name) + ",1/s,";
-    if ((*speeds)[i])
-      out += row + "count_rate,max," + csv_number(count_rate(spec, i, *(*speeds)[i])) + "\r\n";
-    out += row + "max_count_rate,max," + csv_number(limit->rate) + "\r\n";
-  }
-  return out;
-}
-
-}  // namespace
 
 std::string analysis_csv_rows(const Analysis& a, const std::string& before,
                               const std::vector<const StatisticKind*>& statistics) {
@@ -56,7 +35,12 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
       out += before + "budget,," + csv_cell(a.spec.model.chain.independent[i].name) + ",,share,mean," +
              csv_number(budget[i]) + "\r\n";
   }
-  out += count_rate_rows(a.spec, before);
+  for (const SingleFigure& f : single_figures(a)) {
+    const std::size_t first = f.quantity.find('.'), last = f.quantity.rfind('.');
+    out += before + f.quantity.substr(0, first) + ",," +
+           csv_cell(f.quantity.substr(first + 1, last - first - 1)) + ',' + f.unit + ',' +
+           f.quantity.substr(last + 1) + ',' + std::string(f.statistic) + ',' + csv_number(f.value) + "\r\n";
+  }
   return out;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "report/analysis/control.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/tables.hpp"
 
 namespace qerr {
@@ -62,6 +64,21 @@ void for_each_figure(const Analysis& a, const std::function<void(const FigureNam
     const Statistic* const s = statistic_of(a.workspace, name.figure);
     if (s && (std::isfinite(s->min) || name.figure.bound != Bound::worst_case_rigorous)) see(name, *s);
   }
+}
+
+std::vector<SingleFigure> single_figures(const Analysis& a) {
+  std::vector<SingleFigure> all;
+  if (a.control) all = control_rows(a.spec, *a.control);
+  EncoderSpeeds speeds;
+  for (std::size_t i = 0; i < a.spec.encoder_figures.size(); ++i) {
+    const std::optional<CountLimit> limit = count_limit(a.spec, i);
+    if (!limit) continue;
+    if (speeds.empty()) speeds = encoder_speeds(a.spec);
+    const std::string encoder = "encoder." + a.spec.model.chain.independent[i].name;
+    if (speeds[i]) all.push_back({encoder + ".count_rate", "1/s", "max", count_rate(a.spec, i, *speeds[i])});
+    all.push_back({encoder + ".max_count_rate", "1/s", "max", limit->rate});
+  }
+  return all;
 }
 
 }  // namespace qerr

@@ -35,6 +35,17 @@ bool is_passed(const Spec&, std::ptrdiff_t filter, const Signal&);
 /// Calls `see` with every figure that the analysis has.
 void for_each_figure(const Analysis&, const std::function<void(const FigureName&, const Statistic&)>& see);
 
+/// A figure with one value over all configurations: of a loop, a wall, a gain, or a counter.
+struct SingleFigure {
+  std::string quantity;        ///< as requirements name it: `loop.a1.gain_margin`, `encoder.a1.count_rate`
+  std::string unit;            ///< SI; "": none
+  std::string_view statistic;  ///< over the configurations, `max` or `min`
+  double value = 0;            ///< infinite: unbounded; NaN: not known, as of an unstable loop's margins
+};
+
+/// Those that the analysis has.
+std::vector<SingleFigure> single_figures(const Analysis&);
+
 /// The header of the analysis in CSV.
 inline constexpr std::string_view analysis_csv_header = "signal,filter,coordinate,unit,bound,statistic,value";
 

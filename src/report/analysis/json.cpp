@@ -113,8 +113,8 @@ std::optional<double> most_rate(const AnalyzedJoint& j) {
   return limit ? std::optional(limit->rate) : std::nullopt;
 }
 
-using ReportedLoop = In<LoopReport, Analysis>;
-using ReportedWall = In<WallReport, Analysis>;
+using ReportedLoop = In<WorstLoop, Analysis>;
+using ReportedWall = In<WorstWall, Analysis>;
 using ReportedGain = In<GainReport, Analysis>;
 
 std::string joint_name(const Analysis& a, std::size_t joint) {
@@ -129,7 +129,7 @@ auto of_margins(Member LoopMargins::*member) {
   };
 }
 
-using ReportedTorque = In<TorqueReport, Analysis>;
+using ReportedTorque = In<OpenTorque, Analysis>;
 
 struct ReportedControl {
   std::vector<ReportedTorque> torques;
@@ -271,7 +271,7 @@ RowsOf<LimitCycle> rows(Of<LimitCycle>) {
 RowsOf<ReportedLoop> rows(Of<ReportedLoop>) {
   return {
       {"joint", [](auto& l) { return joint_name(l.whole, l->joint); }},
-      {"stable", &LoopReport::stable, "at all inertias"},
+      {"stable", &WorstLoop::stable, "at all inertias"},
       {"inertia",
        [](auto& l) {
          return Interval{l->least_inertia, l->largest_inertia};
@@ -314,8 +314,8 @@ RowsOf<ReportedGain> rows(Of<ReportedGain>) {
 RowsOf<ReportedTorque> rows(Of<ReportedTorque>) {
   return {
       {"joint", [](auto& t) { return joint_name(t.whole, t->joint); }},
-      {"worst_case", &TorqueReport::worst_case, "loop open, means aside, largest [N m or N]"},
-      {"of_effort_limit", &TorqueReport::relative, "worst_case over the URDF's limit; null: none is stated"},
+      {"worst_case", &OpenTorque::worst_case, "loop open, means aside, largest [N m or N]"},
+      {"of_effort_limit", &OpenTorque::relative, "worst_case over the URDF's limit; null: none is stated"},
       {"share", [](auto& t) { return by_joint(t.whole.spec, t->share); },
        "of each encoder in the worst case, averaged over the configurations"}};
 }

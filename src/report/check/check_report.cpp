@@ -81,7 +81,7 @@ Requirement requirement(const Result& r) {
   return of;
 }
 
-std::optional<ReportedProof> proof(const Result& r) {
+std::optional<ReportedProof> proof_of_result(const Result& r) {
   return r->proven ? std::optional(ReportedProof{*r->proven, r.whole.analysis.spec}) : std::nullopt;
 }
 
@@ -94,7 +94,7 @@ using Regression = In<FigureChange, BaselineCheck>;
 RowsOf<Result> rows(Of<Result>) {
   return requirement_rows<Result>(requirement, "absent for a figure of a filter", "either this or at_least",
                                   "")
-      .with({{"proven", proof, "of the statistic proven_max", optional}});
+      .with({{"proven", proof_of_result, "of the statistic proven_max", optional}});
 }
 
 RowsOf<BaselineCheck> rows(Of<BaselineCheck>) {

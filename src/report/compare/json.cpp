@@ -32,7 +32,7 @@ RowsOf<JudgedRequirement> rows(Of<JudgedRequirement>) {
           {"at_least", [](auto& r) { return only_if(r.at_least, r.limit); }, optional},
           {"value", [](auto& r) { return r.figure.value; }, "null: unbounded", nullable},
           {"met", &JudgedRequirement::met},
-          {"margin", margin, "distance from the limit over the limit", nullable}};
+          {"margin", [](auto& r) { return margin(r); }, "distance from the limit over the limit", nullable}};
 }
 
 RowsOf<FigureChange> rows(Of<FigureChange>) {

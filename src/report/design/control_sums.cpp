@@ -59,7 +59,7 @@ ChoiceFigure ControlSums::figure(const Requirement& r, const OptionWeights& weig
   if (!r.of_control) return closed(r, weights);
   const ControlFigure f = figure_of(r, spec_);
   if (f.kind == ControlFigure::Kind::wall_stiffness) return wall(r, f.index);
-  for (const LoopReport& loop : report_->loops)
+  for (const WorstLoop& loop : report_->loops)
     if (loop.joint == f.index && loop.stable && f.kind == ControlFigure::Kind::limit_cycle)
       return limit_cycle(r, loop);
   const double value = control_value(r, spec_, *report_),
@@ -142,7 +142,7 @@ ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
   return figure;
 }
 
-ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const LoopReport& loop) {
+ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const WorstLoop& loop) {
   if (spec_.model.control->joints[loop.joint].reading.of_position > 0) return {};  // no sum over the counts
   const Transmission& t = spec_.model.transmission;
   const Eigen::RowVectorXd parts = t.coupling.row(static_cast<Eigen::Index>(loop.joint)).cwiseAbs();

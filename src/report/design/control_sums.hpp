@@ -30,7 +30,7 @@ class ControlSums {
  private:
   ChoiceFigure closed(const Requirement&, const OptionWeights&);
   ChoiceFigure wall(const Requirement&, std::size_t wall);
-  ChoiceFigure limit_cycle(const Requirement&, const LoopReport&);
+  ChoiceFigure limit_cycle(const Requirement&, const WorstLoop&);
   double* new_column();
 
   const Spec spec_;

@@ -72,10 +72,19 @@ const std::string& joint_of(const SimulationReport& r, const EstimatedVelocity& 
   return r.spec.model.chain.independent[e.joint].name;
 }
 
+/// Whether it times edges, beside effects that only estimators of counts see.
+bool sees_less(const Spec& spec, const EstimatedVelocity& e) {
+  return std::any_of(spec.estimators.begin(), spec.estimators.end(),
+                     [&](const EstimatorDesign& d) {
+                       return d.name == e.estimator && estimator_kind(d.kind).timed;
+                     }) &&
+         !estimator_warnings(spec).empty();
+}
+
 std::vector<std::string> cells_of(const SimulationReport& r, const EstimatedVelocity& e) {
   const std::string unit = speed_unit(r, e);
   return {escaped(joint_of(r, e), 22) + ": " + escaped(e.estimator, 40),
-          e.kind,
+          e.kind + (sees_less(r.spec, e) ? ", without effects" : ""),
           readable(e.rms, unit),
           e.delay ? readable(*e.delay, "s") : "none",
           readable(e.tracking, unit),

@@ -87,6 +87,8 @@ std::vector<WideCell> cells_of(const SpecCheck& check, const std::vector<const S
   const std::vector<double> budget = encoder_budget(a);
   for (std::size_t i = 0; i < budget.size(); ++i)
     cells.push_back({"budget." + a.spec.model.chain.independent[i].name + ".share", csv_number(budget[i])});
+  for (const SingleFigure& f : single_figures(a))
+    cells.push_back({with_unit(f.quantity, f.unit), csv_number(f.value)});
   add_filter_figures(a.spec, cells);
   add_requirements(a.spec, check.results, cells);
   return cells;
