@@ -201,7 +201,7 @@ TEST_F(ControlSection, PlayAndUnequalStatesLastAtRest) {
 TEST_F(ControlSection, ErrorsThatDependOnThePositionChangeTheGainOfALoop) {
   const auto loop = [&](const std::string& more) { return analyze(controlled(more)).control->loops.front(); };
   const WorstLoop alone = loop(""),
-                   periodic = loop("effects: [{type: eccentricity, joint: j1, amplitude: 0.02}]\n");
+                  periodic = loop("effects: [{type: eccentricity, joint: j1, amplitude: 0.02}]\n");
   EXPECT_NEAR(periodic.margins.gain * 1.02, alone.margins.gain, 1e-4 * alone.margins.gain);  // slope 0.02
   EXPECT_GT(periodic.cycle.bound, 1.02 * alone.cycle.bound);
   EXPECT_LT(periodic.cycle.bound, 1.2 * alone.cycle.bound) << "by the slope, not by the amplitude";
@@ -287,6 +287,37 @@ TEST_F(ControlSection, RefusesWhatCannotBe) {
           .find("no such figure"),
       std::string::npos)
       << "without an inertia there is no loop";
+}
+
+TEST_F(ControlSection, FiguresAreRowsOfCsv) {
+  const std::string sections = "walls: {floor: {normal: [1, 0, 0]}}\n",
+                    limits = "requirements: [{quantity: torque.j1.worst_case, statistic: max, at_most: 9}]\n";
+  const std::vector<SingleFigure> rows = single_figures(analyze(controlled(sections + limits), {}));
+  const auto row = [&](const std::string& quantity) {
+    const auto found =
+        std::find_if(rows.begin(), rows.end(), [&](const SingleFigure& f) { return f.quantity == quantity; });
+    return found == rows.end() ? -1 : found->value;
+  };
+  for (const std::string quantity : {"loop.j1.gain_margin", "loop.j2.phase_margin", "loop.j1.bandwidth",
+                                     "loop.j2.limit_cycle", "wall.floor.stiffness", "control.j1.kd_max"})
+    EXPECT_EQ(row(quantity),
+              required(controlled(sections + "requirements: [{quantity: " + quantity +
+                                  ", at_least: 0.1}, {quantity: torque.j1.worst_case, statistic: max, "
+                                  "at_most: 9}]\n")))
+        << quantity;
+  EXPECT_EQ(row("control.j2.kd_max"), -1) << "there is no requirement on its torque";
+  const std::string csv = write(analyze(controlled(sections), {}), "csv");
+  EXPECT_NE(csv.find("\r\nloop,,j1,,gain_margin,min,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("\r\nloop,,j2,rad,limit_cycle,max,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("\r\nwall,,floor,N/m,stiffness,min,"), std::string::npos) << csv;
+}
+
+TEST_F(ControlSection, AGainOfZeroNeedsNoEditAndItsUnstableLoopIsUnbounded) {
+  SpecOverrides overrides;
+  overrides.values = {{"control.joints.j1.kd", "0"}, {"control.joints.j1.damping", "0"}};
+  const std::string csv = write(analyze(controlled("", overrides), {}), "csv");
+  EXPECT_NE(csv.find("loop,,j1,rad,limit_cycle,max,inf\r\n"), std::string::npos) << csv;
+  EXPECT_NE(csv.find("loop,,j1,,gain_margin,min,\r\n"), std::string::npos) << csv;
 }
 
 }  // namespace
