@@ -24,7 +24,9 @@ double loss(double s) {
 }
 
 /// E {s}(1 - {s}) of a sine of this amplitude: 1/4 - E e^2 of s + 1/2.
-double sine_loss(double amplitude) { return 0.25 - quantized_sine_mean_square(0.5, amplitude); }
+double sine_loss(double amplitude, int bits = full_bits) {
+  return 0.25 - quantized_sine_mean_square(0.5, amplitude, bits);
+}
 
 /// sqrt(H(1)^2/12 - sum r_n loss_of(n)), summed in ascending order of magnitude.
 template <class Loss>
@@ -85,8 +87,8 @@ double sine_sigma(const Autocorrelation& a, double amplitude, double cycles) {
   });
 }
 
-double slow_sine_sigma(const Autocorrelation& a, double peak) {
-  return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak)); });
+double slow_sine_sigma(const Autocorrelation& a, double peak, int bits) {
+  return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak), bits); });
 }
 
 double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
@@ -125,8 +127,16 @@ class ThresholdSearch {
   }
 
  private:
-  double ratio(double v) const { return slow_sine_sigma(a_, v) / ipqn_; }
-  bool outside(double v) const { return std::abs(ratio(v) - 1) > tolerance_; }
+  double ratio(double v, int bits) const { return slow_sine_sigma(a_, v, bits) / ipqn_; }
+
+  /// By a few bits where they decide, which is three times as fast.
+  bool outside(double v) const {
+    // The missing bits change a lag's part of the ratio by 12 * 18 * 2^-20/(2 pi^3 sqrt(10)) = 1.1e-6.
+    constexpr double doubt = 1e-4;
+    const double off = std::abs(ratio(v, few_bits) - 1);
+    if (std::abs(off - tolerance_) > doubt) return off > tolerance_;
+    return std::abs(ratio(v, full_bits) - 1) > tolerance_;
+  }
 
   /// A speed above which the tolerance holds: |E {s}(1 - {s}) - 1/6| of a sine of amplitude u is at most
   /// 0.0381/sqrt(u) (quantized_sine_envelope), so that |sigma^2/sigma_IPQN^2 - 1| is at most
@@ -142,7 +152,7 @@ class ThresholdSearch {
 
   /// |sigma^2/sigma_IPQN^2 - 1| over its limit by the tolerance.
   double excess(double v) const {
-    const double x = std::pow(ratio(v), 2) - 1;
+    const double x = std::pow(ratio(v, few_bits), 2) - 1;
     return std::abs(x) / (x > 0 ? tolerance_ * (2 + tolerance_) : tolerance_ * (2 - tolerance_));
   }
 
@@ -194,6 +204,7 @@ class ThresholdSearch {
   }
 
   static constexpr double far = 4096;
+  static constexpr int few_bits = 20;
   Autocorrelation a_;
   double tolerance_, ipqn_ = 0;
   std::vector<double> grid_;  // of V mod 1, descending from 1/2 to -1/2, finest at 0

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "filter/norms/autocorrelation.hpp"
+#include "qerr/bound/velocity_estimators.hpp"
 
 namespace qerr {
 
@@ -46,7 +47,8 @@ double sine_sigma(const Autocorrelation&, double amplitude, double cycles_per_sa
 
 /// The limit of `sine_sigma` for slow sines of a given peak speed, V = 2 pi A f_i/f: s_n has the amplitude n
 /// V.
-double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
+/// @param bits  as of quantized_sine_mean_square
+double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample, int bits = full_bits);
 
 /// sigma under IPQN, ||H||_2/sqrt(12).
 double ipqn_sigma(const Autocorrelation&);

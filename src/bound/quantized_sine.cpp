@@ -48,14 +48,16 @@ class HankelSum {
     }
   }
 
-  double operator()(int bessel_order, double x, double amplitude) const {
+  /// @param bits  of the sum that are wanted
+  double operator()(int bessel_order, double x, double amplitude, int bits = full_bits) const {
     x -= std::floor(x + 0.5);
     // Successive terms shrink by |x| <= 1/2.
     const double bits_per_term = -std::log2(std::abs(x));
+    const double negligible = std::ldexp(18, -bits);
     double sum = 0, weight = 1, power = x > 0 ? std::sqrt(x) * (lowest_power_ > 1 ? x : 1) : 0;
-    for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
+    for (std::size_t m = 0; m < orders && std::abs(weight) > negligible; ++m) {
       // Smaller weights need fewer digits.
-      const int needed = static_cast<int>((54 + std::ilogb(weight)) / bits_per_term);
+      const int needed = static_cast<int>((bits + std::ilogb(weight)) / bits_per_term);
       // Separate recursions for even and odd terms run in parallel.
       double even = 0, odd_terms = 0;
       for (std::size_t k = std::min(terms, static_cast<std::size_t>(needed / 2 * 2 + 2)); k > 0; k -= 2) {
@@ -103,7 +105,7 @@ double quantized_sine_mean(double offset, double amplitude) {
          (2 * pi * pi * std::sqrt(amplitude));
 }
 
-double quantized_sine_mean_square(double offset, double amplitude) {
+double quantized_sine_mean_square(double offset, double amplitude, int bits) {
   if (amplitude < large) {
     // e^2 = (x - n)^2 - 2 sum (|x - n| - t where beyond a threshold t), n the count nearest to the offset.
     const double within = offset - std::floor(offset + 0.5);
@@ -115,9 +117,9 @@ double quantized_sine_mean_square(double offset, double amplitude) {
   }
   const double v = offset + 0.5;
   const HankelSum& sum = second_power();
-  const double above = sum(0, amplitude + v, amplitude);
+  const double above = sum(0, amplitude + v, amplitude, bits);
   // Equal at offset 1/2, the argument of autocorrelations.
-  const double below = v == 1 ? above : sum(0, amplitude - v, amplitude);
+  const double below = v == 1 ? above : sum(0, amplitude - v, amplitude, bits);
   return 1.0 / 12 + (above + below) / (2 * pi * pi * pi * std::sqrt(amplitude));
 }
 

@@ -20,8 +20,10 @@ namespace qerr {
 /// expansion of the Bessel functions is, whose sums over k are polylogarithms of half-integer order. Absolute
 /// error below 1e-12 (times the amplitude for the correlation).
 /// @param offset, amplitude  [quanta]; finite, amplitude >= 0
+/// @param bits  of the sum that are wanted beyond amplitude 10: fewer are faster
+inline constexpr int full_bits = 54;
 double quantized_sine_mean(double offset, double amplitude);
-double quantized_sine_mean_square(double offset, double amplitude);
+double quantized_sine_mean_square(double offset, double amplitude, int bits = full_bits);
 double quantized_sine_correlation(double offset, double amplitude);
 
 /// Correlation of e with itself `lag` samples later, over random offset and phase, for cycles_per_sample
