@@ -131,7 +131,16 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
     if (!actuators.empty()) owners.insert(owners.begin(), actuators[0]);
     if (ros2) std::reverse(owners.begin(), owners.end());
     const std::string name = word_of(*joints[0], "name");
-    if (const UrdfElement* ratio = only_reduction(owners, name)) stated[name].push_back(ratio);
+    const UrdfElement* ratio = only_reduction(owners, name);
+    if (ratio) stated[name].push_back(ratio);
+    for (const UrdfElement* owner : owners)
+      if (!ratio && owner->attribute("mechanicalReduction"))
+        flaws_.warn(*owner, "joint " + quoted(name), "ROS reads mechanicalReduction as an element only",
+                    "an attribute", "write <mechanicalReduction>...</mechanicalReduction> in it");
+    if (ratio && !type.empty() && !type.ends_with("SimpleTransmission"))
+      flaws_.warn(element, element.title(),
+                  "the equations of this " + type + " of " + quoted(name) + " are not known", "",
+                  "its reduction is taken for the ratio of motor to joint: state gear_ratio in the spec");
     return;
   }
   const std::string obstacle = read_coupling(type, element);

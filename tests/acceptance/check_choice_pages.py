@@ -131,8 +131,10 @@ def check_sweep_lines(t, qerr, name, spec, key, *more):
     root = page(t, qerr, name, "sweep", spec, *more)
     found, drawn = report(qerr, "sweep", spec, *more), figures(root)
     units, compared = found.get("units", {}), 0
+    first = key
     for caption, figure in drawn.items():
-        values = swept(found, caption)
+        over = caption.split(" over ")  # the first key's pictures do not name it
+        key, values = (over + [first])[1], swept(found, over[0])
         t.check(f"{name}: {caption} is a figure", values)
         groups = [g.get("data-series") for g in figure.iter(SVG + "g") if g.get("data-series")]
         for series in groups:
@@ -196,8 +198,10 @@ def check_matrix(t, qerr, few):
     t.check("sweep of two keys: a matrix of each figure", len(tables) == len(figures(root)), str(len(tables)))
     for table, caption in zip(tables, figures(root)):
         cells = [" ".join("".join(c.itertext()).split()) for c in table.iter(HTML + "td")]
+        caption, over, _ = [*caption.split(" over "), "encoders.*.bits", ""][:3]
         values = swept(found, caption)
-        ordered = [values[keys] for keys in sorted(values, key=lambda k: (dict(k)[cutoff], dict(k)["encoders.*.bits"]))]
+        other = next(k for k in (cutoff, "encoders.*.bits") if k != over)
+        ordered = [values[keys] for keys in sorted(values, key=lambda k: (dict(k)[other], dict(k)[over]))]
         digits = [re.search(r"[\d.]+", c)[0].replace(".", "").lstrip("0")[:3].ljust(3, "0") for c in cells]
         t.check(f"sweep of two keys: {caption} as in JSON", digits == [f"{v:.2e}"[:4].replace(".", "") for v in ordered], f"{cells} {ordered}")
         limits = [r for r in found["variants"][0].get("requirements", []) if f"{r['quantity']} {r.get('statistic', '')}".strip() == caption]
@@ -216,7 +220,8 @@ def check_long_sweep(t, qerr):
             if group.get("data-series", "required").startswith("required"):
                 continue
             points = line(figure, group.get("data-series"))
-            t.check(f"long sweep: {caption} from end to end", points[0][0] == 10 and points[-1][0] == 200)
+            ends = (1000, 4000) if " over " in caption else (10, 200)
+            t.check(f"long sweep: {caption} from end to end", (points[0][0], points[-1][0]) == ends)
 
 
 CATALOGUE = "name,price [EUR],bits\n\"low & \"\"cheap\"\"\",10,13\n<middle>,25,16\nfine,70,19\n"

@@ -30,9 +30,9 @@ function quantity(text, unit) {
 
 /// One of several figures at a time, chosen from a list.
 all(document, '.choice').forEach(box => {
-  const list = box.querySelector('select'), parts = all(box, '.option');
+  const list = box.querySelector(':scope > label > select'), parts = all(box, ':scope > .option');
   if (!list) return;
-  box.querySelector('label').hidden = false;
+  list.parentNode.hidden = false;
   const show = () => parts.forEach((p, i) => { p.hidden = i !== list.selectedIndex; });
   list.addEventListener('change', show);
   show();

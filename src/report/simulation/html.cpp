@@ -197,6 +197,7 @@ page::Page page_of(const SimulationReport& r) {
   if (r.spec.model.tips) return page;
   add("Simulation and theory",
       page::side_by_side(prediction_figure(r) + "<div>" + factor_table(r) + "</div>") + deviation_list(r));
+  add("Path of the tip", path_figures(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
   add("All figures", figure_tables(r));
   add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));

@@ -1,6 +1,8 @@
 #include "report/page/page.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -13,6 +15,7 @@
 #include "report/simulation/cutoffs.hpp"
 #include "report/simulation/page.hpp"
 #include "report/text_table.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 
@@ -44,6 +47,37 @@ std::string prediction_figure(const SimulationReport& r) {
     }
   }
   return sigma.bars.empty() ? "" : figure(sigma);
+}
+
+std::string path_figures(const SimulationReport& r) {
+  const Motion& motion = *r.spec.motion;
+  const MotionPath path(motion);
+  constexpr int points = 150;
+  std::vector<Eigen::Vector3d> tips;
+  for (int i = 0; i <= points; ++i)
+    tips.push_back(
+        forward_kinematics(r.spec.model.chain, path.position(motion.duration * i / points)).translation());
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& tip : tips) box.extend(tip);
+  if (!(box.diagonal().norm() > 0)) return "";
+  constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+  std::string views;
+  for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
+    if (!(box.sizes()[a] > 0 || box.sizes()[b] > 0)) continue;
+    page::Series line{"path", {}};
+    for (const Eigen::Vector3d& tip : tips) line.points.emplace_back(tip[a], tip[b]);
+    const std::string x = axes[static_cast<std::size_t>(a)], y = axes[static_cast<std::size_t>(b)];
+    page::Series begin{"begin", {line.points.front()}, true, false},
+        end{"end", {line.points.back()}, true, false};
+    page::Plot plot{"Path of the tip, view " + x + y,
+                    "Where the tip is along the motion, in the base frame.",
+                    {x, "m", false, false},
+                    {y, "m", false, false},
+                    {std::move(line), std::move(begin), std::move(end)}};
+    plot.equal_scales = true;
+    views += figure(plot);
+  }
+  return page::side_by_side(views);
 }
 
 std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const std::vector<double>& error,

@@ -26,6 +26,9 @@ std::string error_figure(const NamedSignal&, const ErrorTrace& trace, const std:
 std::string spectrum_figure(const NamedSignal&, const SimulatedSignal& position, const Filter* filter,
                             const ErrorTrace& trace, const std::vector<double>& error, std::size_t intervals);
 
+/// The path of the tip in three views, its ends marked; of a robot whose tip moves by translation.
+std::string path_figures(const SimulationReport&);
+
 /// Errors over the cut-off, with --cutoffs.
 std::string cutoff_figures(const SimulationReport&);
 

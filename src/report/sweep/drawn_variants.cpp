@@ -43,10 +43,12 @@ std::optional<SweepAbscissa> numeric_key(const SweepColumn& column) {
 
 }  // namespace
 
-std::optional<SweepAbscissa> abscissa_of(const SweepGrid& grid) {
+std::vector<SweepAbscissa> abscissas_of(const SweepGrid& grid) {
+  std::vector<SweepAbscissa> all;
   for (const SweepColumn& column : grid.columns())
-    if (auto a = numeric_key(column)) return a;
-  return std::nullopt;
+    if (all.empty() || all.back().axis != column.axis)
+      if (auto a = numeric_key(column)) all.push_back(std::move(*a));
+  return all;
 }
 
 std::string short_value(const std::string& name) {
@@ -104,18 +106,22 @@ double DrawnVariants::value(const SweepGrid& grid, std::uint64_t variant) const 
   return abscissa->values[grid.steps(variant)[abscissa->axis]];
 }
 
-DrawnVariants drawn_variants(const SweepGrid& grid, std::size_t figures, std::size_t most_bytes) {
+namespace {
+
+DrawnVariants drawn_bars(const SweepGrid& grid, std::size_t figures, std::size_t most_bytes) {
   DrawnVariants d;
-  d.abscissa = abscissa_of(grid);
-  if (!d.abscissa) {
-    d.points_in_all = static_cast<std::size_t>(grid.count());
-    const std::size_t bars =
-        std::clamp<std::size_t>(most_bytes / (bar_bytes * std::max<std::size_t>(figures, 1)), 2, most_bars);
-    DrawnVariants::Line& line = d.lines.emplace_back();
-    for (const std::size_t v : evenly_chosen(d.points_in_all, bars)) line.variants.push_back(v);
-    return d;
-  }
-  const SweepAbscissa& a = *d.abscissa;
+  d.points_in_all = static_cast<std::size_t>(grid.count());
+  const std::size_t bars =
+      std::clamp<std::size_t>(most_bytes / (bar_bytes * std::max<std::size_t>(figures, 1)), 2, most_bars);
+  DrawnVariants::Line& line = d.lines.emplace_back();
+  for (const std::size_t v : evenly_chosen(d.points_in_all, bars)) line.variants.push_back(v);
+  return d;
+}
+
+DrawnVariants drawn_lines(const SweepGrid& grid, const SweepAbscissa& a, std::size_t figures,
+                          std::size_t most_bytes) {
+  DrawnVariants d;
+  d.abscissa = a;
   d.points_in_all = a.values.size();
   d.lines_in_all = grid.count() / d.points_in_all;
   const std::vector<std::size_t> lines = evenly_chosen(static_cast<std::size_t>(d.lines_in_all), most_lines);
@@ -131,6 +137,20 @@ DrawnVariants drawn_variants(const SweepGrid& grid, std::size_t figures, std::si
     }
   }
   return d;
+}
+
+}  // namespace
+
+std::vector<DrawnVariants> drawn_variants(const SweepGrid& grid, std::size_t figures,
+                                          std::size_t most_bytes) {
+  constexpr std::size_t most_keys = 4;
+  std::vector<SweepAbscissa> keys = abscissas_of(grid);
+  if (keys.empty()) return {drawn_bars(grid, figures, most_bytes)};
+  if (keys.size() > most_keys) keys.resize(most_keys);
+  std::vector<DrawnVariants> all;
+  for (const SweepAbscissa& key : keys)
+    all.push_back(drawn_lines(grid, key, figures, most_bytes / keys.size()));
+  return all;
 }
 
 }  // namespace qerr

@@ -19,8 +19,8 @@ struct SweepAbscissa {
   bool logarithmic = false;        ///< equally spaced in the logarithm
 };
 
-/// Of the first axis that has such a key, with two values at least; empty: there is none.
-std::optional<SweepAbscissa> abscissa_of(const SweepGrid&);
+/// One of each axis that has such a key, with two values at least: of its first one.
+std::vector<SweepAbscissa> abscissas_of(const SweepGrid&);
 
 /// A value of a key for people: a number of many digits, such as the steps of a logarithmic range have, with
 /// six of them.
@@ -47,8 +47,9 @@ struct DrawnVariants {
   double value(const SweepGrid&, std::uint64_t variant) const;
 };
 
+/// Over each axis of numbers in turn, at most four of them; one, of bars, where there is none.
 /// @param figures     that are drawn of each variant
 /// @param most_bytes  of the pictures, about
-DrawnVariants drawn_variants(const SweepGrid&, std::size_t figures, std::size_t most_bytes);
+std::vector<DrawnVariants> drawn_variants(const SweepGrid&, std::size_t figures, std::size_t most_bytes);
 
 }  // namespace qerr

@@ -39,8 +39,9 @@ SweepPage::SweepPage(const SpecVariants& variants, const SweepGrid& grid) : vari
   constexpr std::uint64_t rows_of_table = 120;
   add_figures();
   drawn_ = drawn_variants(grid, figures_.size(), bytes_of_pictures);
-  for (const DrawnVariants::Line& line : drawn_.lines)
-    for (const std::uint64_t v : line.variants) kept_[v];
+  for (const DrawnVariants& drawn : drawn_)
+    for (const DrawnVariants::Line& line : drawn.lines)
+      for (const std::uint64_t v : line.variants) kept_[v];
   for (std::uint64_t v = 0; v < std::min(grid.count(), rows_of_table); ++v) kept_[v];
   least_.resize(figures_.size());
   largest_.resize(figures_.size());

@@ -11,8 +11,7 @@
 namespace qerr {
 
 /// A sweep as a page: its requirements' values, the largest worst case of every coordinate and the largest
-/// sigma behind every filter, over the first key that has numbers, one line for each combination of the
-/// others.
+/// sigma behind every filter, over each key that has numbers, one line for each combination of the others.
 ///
 /// What is kept does not grow with the number of variants beyond what is drawn.
 class SweepPage {
@@ -44,17 +43,17 @@ class SweepPage {
   void take(const Row&);
   std::optional<double> tightest(const Row&) const;
   std::string answer() const;
-  std::string picture(std::size_t figure) const;
-  std::string plot(std::size_t figure) const;
-  std::string matrix(std::size_t figure) const;
-  std::string bars(std::size_t figure) const;
-  std::string what_is_drawn() const;
+  std::string picture(std::size_t figure, const DrawnVariants&) const;
+  std::string plot(std::size_t figure, const DrawnVariants&) const;
+  std::string matrix(std::size_t figure, const DrawnVariants&) const;
+  std::string bars(std::size_t figure, const DrawnVariants&) const;
+  std::string what_is_drawn(const DrawnVariants&) const;
   std::string table() const;
 
   const SpecVariants& variants_;
   const SweepGrid& grid_;
   std::vector<Figure> figures_;
-  DrawnVariants drawn_;
+  std::vector<DrawnVariants> drawn_;
   std::map<std::uint64_t, Row> kept_;  ///< rows that are drawn or in the table; empty until they are added
   std::uint64_t next_ = 0;             ///< number of the variant that is added next
   std::uint64_t met_ = 0, judged_ = 0;

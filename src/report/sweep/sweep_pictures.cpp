@@ -70,24 +70,24 @@ std::string SweepPage::answer() const {
          page::isolated(short_description(grid_, largest.variant)) + ".";
 }
 
-std::string SweepPage::plot(std::size_t figure) const {
+std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) const {
   const Figure& f = figures_[figure];
-  const SweepAbscissa& a = *drawn_.abscissa;
-  page::Plot plot{f.name,
+  const SweepAbscissa& a = *drawn.abscissa;
+  page::Plot plot{&drawn == drawn_.data() ? f.name : f.name + " over " + a.key,
                   "The figure over the values of a key of the spec, one line for each combination of the "
                   "other keys.",
                   {page::shortened(a.key, 46), a.unit, a.logarithmic},
                   {page::shortened(f.name, 46), f.unit},
                   {}};
   std::size_t marks = 0;
-  for (const DrawnVariants::Line& line : drawn_.lines) marks += figures_.size() * line.variants.size();
+  for (const DrawnVariants::Line& line : drawn.lines) marks += figures_.size() * line.variants.size();
   double least = INFINITY, largest = 0;
-  for (const DrawnVariants::Line& line : drawn_.lines) {
+  for (const DrawnVariants::Line& line : drawn.lines) {
     page::Series series{line.name, {}, marks <= most_marks};
     for (const std::uint64_t v : line.variants) {
       const std::vector<double>& values = kept_.at(v).values;
       const double y = figure < values.size() ? values[figure] : NAN;
-      series.points.emplace_back(drawn_.value(grid_, v), y);
+      series.points.emplace_back(drawn.value(grid_, v), y);
       if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
     }
     // Combinations of keys that change nothing are one line.
@@ -111,9 +111,9 @@ std::string SweepPage::plot(std::size_t figure) const {
 
 /// The figure by the key of the abscissa and by the others: the darker, the larger; what misses its
 /// requirement is crossed. "" of one line, and of more cells than a reader, or the page, takes.
-std::string SweepPage::matrix(std::size_t figure) const {
+std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) const {
   constexpr std::size_t most_columns = 16, most_cells = 1500;  // 80 bytes each
-  const std::size_t columns = drawn_.lines.front().variants.size(), rows = drawn_.lines.size();
+  const std::size_t columns = drawn.lines.front().variants.size(), rows = drawn.lines.size();
   if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
   const Figure& f = figures_[figure];
   const auto value = [&](std::uint64_t v) {
@@ -121,20 +121,20 @@ std::string SweepPage::matrix(std::size_t figure) const {
     return figure < values.size() ? values[figure] : NAN;
   };
   double least = INFINITY, largest = -INFINITY;
-  for (const DrawnVariants::Line& line : drawn_.lines)
+  for (const DrawnVariants::Line& line : drawn.lines)
     for (const std::uint64_t v : line.variants)
       if (std::isfinite(value(v))) least = std::min(least, value(v)), largest = std::max(largest, value(v));
   if (!(least <= largest)) return "";
   const std::vector<std::string> keys = grid_.keys();
   const auto key =
-      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn_.abscissa->key) - keys.begin());
-  std::vector<std::string> header{drawn_.abscissa->key}, rows_of_cells;
-  for (const std::uint64_t v : drawn_.lines.front().variants)
+      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn.abscissa->key) - keys.begin());
+  std::vector<std::string> header{drawn.abscissa->key}, rows_of_cells;
+  for (const std::uint64_t v : drawn.lines.front().variants)
     header.push_back(short_value(grid_.names(v)[key]));
   const Requirement* limit = f.requirement >= 0 && !limits_vary_
                                  ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
                                  : nullptr;
-  for (const DrawnVariants::Line& line : drawn_.lines) {
+  for (const DrawnVariants::Line& line : drawn.lines) {
     std::string row = "<th scope=\"row\">" + page::name_markup(line.name) + "</th>";
     for (const std::uint64_t v : line.variants) {
       const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
@@ -150,10 +150,10 @@ std::string SweepPage::matrix(std::size_t figure) const {
          (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
 }
 
-std::string SweepPage::bars(std::size_t figure) const {
+std::string SweepPage::bars(std::size_t figure, const DrawnVariants& drawn) const {
   const Figure& f = figures_[figure];
   page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
-  for (const std::uint64_t v : drawn_.lines.front().variants) {
+  for (const std::uint64_t v : drawn.lines.front().variants) {
     const std::vector<double>& values = kept_.at(v).values;
     if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
       bars.bars.push_back({grid_.description(v), values[figure], readable(values[figure], f.unit)});
@@ -161,24 +161,24 @@ std::string SweepPage::bars(std::size_t figure) const {
   return bars.bars.empty() ? "<p>No variant that is drawn has this figure.</p>" : page::figure(bars);
 }
 
-std::string SweepPage::picture(std::size_t figure) const {
-  if (!drawn_.abscissa) return bars(figure);
-  const std::string cells = matrix(figure);
-  return cells.empty() ? plot(figure)
-                       : "<div class=\"figures\">" + plot(figure) + "<div>" + cells + "</div></div>";
+std::string SweepPage::picture(std::size_t figure, const DrawnVariants& drawn) const {
+  if (!drawn.abscissa) return bars(figure, drawn);
+  const std::string cells = matrix(figure, drawn);
+  return cells.empty() ? plot(figure, drawn)
+                       : "<div class=\"figures\">" + plot(figure, drawn) + "<div>" + cells + "</div></div>";
 }
 
-std::string SweepPage::what_is_drawn() const {
-  const std::size_t points = drawn_.lines.front().variants.size();
+std::string SweepPage::what_is_drawn(const DrawnVariants& drawn) const {
+  const std::size_t points = drawn.lines.front().variants.size();
   std::string text;
-  if (drawn_.abscissa)
-    text = "Over " + drawn_.abscissa->key + (drawn_.abscissa->logarithmic ? ", logarithmic. " : ". ");
-  if (drawn_.lines.size() < drawn_.lines_in_all)
-    text += std::to_string(drawn_.lines.size()) + " of " + std::to_string(drawn_.lines_in_all) +
+  if (drawn.abscissa)
+    text = "Over " + drawn.abscissa->key + (drawn.abscissa->logarithmic ? ", logarithmic. " : ". ");
+  if (drawn.lines.size() < drawn.lines_in_all)
+    text += std::to_string(drawn.lines.size()) + " of " + std::to_string(drawn.lines_in_all) +
             " combinations of the other keys are drawn, evenly spread over the grid. ";
-  if (points < drawn_.points_in_all)
-    text += std::to_string(points) + " of " + std::to_string(drawn_.points_in_all) +
-            (drawn_.abscissa ? " values of the key" : " variants") + " are drawn, evenly spread. ";
+  if (points < drawn.points_in_all)
+    text += std::to_string(points) + " of " + std::to_string(drawn.points_in_all) +
+            (drawn.abscissa ? " values of the key" : " variants") + " are drawn, evenly spread. ";
   if (limits_vary_) text += "The sweep changes the requirements, so that no limit is drawn. ";
   return text.empty() ? "" : "<p>" + page::escaped_markup(text) + "</p>";
 }
@@ -218,13 +218,18 @@ std::string SweepPage::table() const {
 
 std::string SweepPage::text(const SweepOutcome& outcome) const {
   constexpr std::size_t most_spec = 40'000;
-  std::vector<std::pair<std::string, std::string>> pictures;
-  for (std::size_t i = 0; i < figures_.size(); ++i) pictures.emplace_back(figures_[i].name, picture(i));
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (const DrawnVariants& drawn : drawn_) {
+    std::vector<std::pair<std::string, std::string>> pictures;
+    for (std::size_t i = 0; i < figures_.size(); ++i)
+      pictures.emplace_back(figures_[i].name, picture(i, drawn));
+    keys.emplace_back(drawn.abscissa ? drawn.abscissa->key : "",
+                      what_is_drawn(drawn) + page::choice("Figure", pictures));
+  }
   const Spec& spec = variants_.base();
-  page::Page page{
-      "Sweep of " + spec.robot_name,
-      answer(),
-      {{"Figures over the keys", what_is_drawn() + page::choice("Figure", pictures)}, {"Variants", table()}}};
+  page::Page page{"Sweep of " + spec.robot_name,
+                  answer(),
+                  {{"Figures over the keys", page::choice("Over", keys)}, {"Variants", table()}}};
   for (const std::string& warning : spec.warnings)
     if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
   page.warnings.insert(page.warnings.end(), outcome.faults.begin(), outcome.faults.end());
