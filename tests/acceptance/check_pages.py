@@ -199,8 +199,9 @@ def check_in_browser(t, qerr):
             t.check("browser: axe-core finds no serious fault", not faults, str(faults[:3]))
         else:
             print("skip  axe-core, which is not installed: npm install -g axe-core, or AXE_CORE=.../axe.min.js")
-        count = printed_pages(folder, text, "A4")
-        t.check("browser: an arm of 7 joints, 6 coordinates and 2 filters on at most four pages", 1 <= count <= 4, str(count))
+        for size in ("A4", "letter"):
+            count = printed_pages(folder, text, size)
+            t.check(f"browser: an arm of 7 joints, 6 coordinates and 2 filters on at most four pages, {size}", 1 <= count <= 4, str(count))
         wrong = '<img alt="" src="http://127.0.0.1:9/x"/><script>undefined_name()</script></body>'
         messages, sent, _, _ = shown(folder, text.replace("</body>", wrong))
         t.check("browser: a request and an error would be seen", sent == ["http://127.0.0.1:9/x"] and len(messages) >= 1,

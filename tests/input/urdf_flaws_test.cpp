@@ -148,10 +148,10 @@ TEST(UrdfFlaws, ManyEndInTime) {
 /// Ratios of joint ab as different writers state them.
 TEST(StatedRatios, AreReadFromEveryFormOfTransmission) {
   const std::pair<std::string, double> written[] = {
-      {"<transmission name='t'><type>x</type><joint name='ab'/><actuator name='m'>"
+      {"<transmission name='t'><type>SimpleTransmission</type><joint name='ab'/><actuator name='m'>"
        "<mechanicalReduction> 101 </mechanicalReduction></actuator></transmission>",
        101},
-      {"<transmission name='t' type='x'><actuator name='m'/><joint name='ab'/>"
+      {"<transmission name='t' type='SimpleTransmission'><actuator name='m'/><joint name='ab'/>"
        "<mechanicalReduction>-36.5</mechanicalReduction></transmission>",
        -36.5},
       {"<ros2_control name='c' type='system'><transmission name='t'><actuator name='m' role='a'/>"
@@ -275,6 +275,21 @@ TEST(StatedCouplings, ThatAreNotReadAreSaid) {
     const std::vector<std::string> of_chain = warnings_about(model, make_chain(model, "", "c"));
     ASSERT_EQ(of_chain.size(), 1u) << "every command that uses the joints says so, too";
   }
+}
+
+TEST(StatedRatios, ThatRosReadsOtherwiseAreSaid) {
+  const auto model_of = [](const std::string& type, const std::string& actuator) {
+    return read(robot(links + joint("ab", "revolute", "a", "b", limit) + "<transmission name='t'><type>" +
+                      type + "</type><joint name='ab'/>" + actuator + "</transmission>"));
+  };
+  EXPECT_TRUE(warnings(model_of("x/SimpleTransmission", reduction("actuator", "m", "50"))).empty());
+  const RobotModel piston = model_of("x/PistonTransmission", reduction("actuator", "m", "50")),
+                   attribute =
+                       model_of("SimpleTransmission", "<actuator name='m' mechanicalReduction='50'/>");
+  ASSERT_EQ(warnings(piston).size(), 1u);
+  EXPECT_NE(warnings(piston)[0].find("PistonTransmission of 'ab' are not known"), std::string::npos);
+  ASSERT_EQ(warnings(attribute).size(), 1u);
+  EXPECT_NE(warnings(attribute)[0].find("as an element only"), std::string::npos) << warnings(attribute)[0];
 }
 
 TEST(StatedRatios, OfAPrismaticJointAreRadiansPerMetre) {

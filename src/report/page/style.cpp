@@ -61,7 +61,7 @@ details{margin:1rem 0}summary{cursor:pointer}
 @media print{:root{--ink:#000;--soft:#333;--paper:#fff;--card:#fff;--grid:#ccc;--c0:#0072b2;--c1:#c24f00;--c2:#007a59;--c3:#a0437c;--c4:#806600;--bad:#b3261e;--good:#0b6b45}
 body{font-size:9pt;padding:0;max-width:none}h1{font-size:15pt}.figures{grid-template-columns:1fr 1fr 1fr;gap:.4rem .8rem}output,.choice label,.tools,.scene,details:not([open]){display:none}.wide{overflow:visible}.flat{display:block}.sections{display:block}section{border:0;padding:.3rem 0}.head{padding:.2rem .6rem;margin:0}
 table{font-size:7pt;line-height:1.2}th,td{padding:0 .4rem}
-.choice{display:grid;grid-template-columns:repeat(4,1fr);gap:.3rem .8rem}.option,.option[hidden]{display:block;min-width:0;break-inside:avoid}.option:has(.figures,table){grid-column:1/-1}.option[hidden]:has(.figures){display:none}.legend{font-size:6pt;line-height:1.2;gap:0 .5rem}.key{width:20px;height:9px}.answer{font-size:11pt;margin:.2rem 0}figcaption{font-size:8pt}h2{margin:.2rem 0;font-size:11pt}section p{margin:.1rem 0}h2,section>p{break-after:avoid}svg,.bar,.band,.cells,.use{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+.choice{display:grid;grid-template-columns:repeat(5,1fr);gap:.3rem .8rem}.option,.option[hidden]{display:block;min-width:0;break-inside:avoid}.option:has(.figures,table){grid-column:1/-1}.option[hidden]:has(.figures){display:none}.legend{font-size:6pt;line-height:1.2;gap:0 .5rem}.key{width:20px;height:9px}.answer{font-size:11pt;margin:.2rem 0}figcaption{font-size:8pt}h2{margin:.2rem 0;font-size:11pt}section p{margin:.1rem 0}h2,section>p{break-after:avoid}svg,.bar,.band,.cells,.use{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )";
 
 }  // namespace qerr::page
