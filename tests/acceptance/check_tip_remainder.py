@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What a tracker sees beside the arm: vibrations and a slow wander must be told, white noise and quantization must not.
+"""What a tracker sees beside the arm: vibrations and a slow wander must be told, white noise and quantization must not; and an elastic
+joint under the arm's own weight, of which no effort is logged.
 
     check_tip_remainder.py --qerr build/qerr [--rounds 3] [--seed 1] [--verbose]
 
@@ -23,6 +24,17 @@ URDF = """<robot name="arm"><link name="base"/><link name="upper"/><link name="l
 <joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="{b} 0 0"/></joint></robot>
 """
 
+MASSES = """<robot name="arm"><link name="base"/>
+<link name="upper"><inertial><origin xyz="{half_a} 0 0"/><mass value="{m}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<link name="lower"><inertial><origin xyz="{half_b} 0 0"/><mass value="{n}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<link name="tip"/>
+<joint name="q1" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 -1 0"/>
+<limit lower="-3" upper="3" effort="90" velocity="9"/></joint>
+<joint name="q2" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="{a} 0 0"/><axis xyz="0 -1 0"/>
+<limit lower="-3" upper="3" effort="90" velocity="9"/></joint>
+<joint name="end" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="{b} 0 0"/></joint></robot>
+"""
+
 
 def motion(rng, t, speed):
     """Two joints that move by sines, fast or so slowly that counts stay for many rows."""
@@ -41,12 +53,41 @@ def beside(rng, t, size):
     yield "a wander", 2 * size * (w - w.mean()) / np.std(w), 0
 
 
+def check_sag(t, qerr, rng, folder, case):
+    """An arm in a vertical plane: true angle = reading - compliance * moment of the weights."""
+    a, b, m, n = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), rng.uniform(1, 5), rng.uniform(1, 3)
+    (folder / "arm.urdf").write_text(MASSES.format(a=a, b=b, m=m, n=n, half_a=a / 2, half_b=b / 2))
+    counts, time = int(2 ** rng.uniform(16, 19)), np.arange(4000) / 200
+    (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
+    read = motion(rng, time, 0.3)
+    second = 9.80665 * n * b / 2 * np.cos(read[0] + read[1])
+    moments = [9.80665 * (m * a / 2 + n * a) * np.cos(read[0]) + second, second]
+    for elastic in (None, 0, 1):
+        compliance = rng.uniform(50, 200) * 1e-6
+        q = [angle - (compliance * moments[j] if j == elastic else 0) for j, angle in enumerate(read)]
+        tip = [a * f(q[0]) + b * f(q[0] + q[1]) + 2e-5 * rng.standard_normal(len(time)) for f in (np.cos, np.sin)]
+        rows = np.column_stack([time, *(np.round(angle * counts / (2 * math.pi)) for angle in read), *tip])
+        np.savetxt(folder / "log.csv", rows, ["%.4f", "%d", "%d", "%.8f", "%.8f"], ",", comments="",
+                   header="time [s],q1.counts,q2.counts,tip.x [m],tip.z [m]")
+        d = json.loads(run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "--format", "json", "-q").out)
+        causes = [c for c in d["causes"] if c["effect"] != "noise"]
+        said = f"{d['verdict']} {[(c['effect'], c['joint'], c['parameters']) for c in causes]}"
+        if elastic is None:
+            t.check(f"{case}: a stiff arm that has masses is clean", not causes and d["verdict"] == "nothing_wrong", said)
+            continue
+        found = [p["value"] for c in causes for p in c["parameters"] if p["name"] == "compliance"]
+        t.check(f"{case}: q{elastic + 1} is elastic, nothing else", d["verdict"] == "explained" and len(causes) == 1 and
+                (causes[0]["effect"], causes[0]["joint"]) == ("compliance", f"q{elastic + 1}"), said)
+        t.check(f"{case}: its compliance to 2 %", len(found) == 1 and abs(found[0] / compliance - 1) < 0.02, f"{found} for {compliance}")
+
+
 def main():
     arguments, qerr, t = study_and_tally(rounds=3)
     rng = np.random.default_rng(arguments.seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for round_ in range(arguments.rounds):
+            check_sag(t, qerr, rng, folder, f"round {round_}, under its weight")
             a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(12, 17))
             (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))
             (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")

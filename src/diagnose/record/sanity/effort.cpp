@@ -47,6 +47,17 @@ JointPaths joint_paths(const Sanity& s) {
   return all;
 }
 
+/// Gravity's part alone: the acceleration of a path of counts is mostly that of their steps.
+JointPaths paths_of_readings(const Sanity& s) {
+  JointPaths all(s.model.chain.independent.size());
+  for (std::size_t j = 0; j < all.size(); ++j)
+    if (const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, j)) {
+      const Eigen::ArrayXd still = Eigen::ArrayXd::Zero(measured->size());
+      all[j] = JointPath{*measured, still, still};
+    }
+  return all;
+}
+
 /// Loads by the URDF's masses at every `stride`-th row [N m or N].
 struct Loads {
   Eigen::ArrayXd sampled;
@@ -330,12 +341,36 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
 }
 
+/// Gravity's load by the masses of the URDF, for a tracked arm whose log has no efforts. Beside a joint's
+/// reference the twins of its own angle are told from each other by what the joint shows alone.
+void add_loads(Sanity& s) {
+  const auto is = [&](LogSignal signal) {
+    return std::any_of(s.log.columns.begin(), s.log.columns.end(),
+                       [&](const LogColumn& c) { return c.signal == signal; });
+  };
+  if (!is(LogSignal::tip) || is(LogSignal::reference)) return;
+  const std::vector<std::optional<Loads>> loads = loads_by_masses(s, paths_of_readings(s));
+  for (std::size_t j = 0; j < loads.size(); ++j) {
+    if (!loads[j]) continue;
+    const IndependentJoint& joint = s.model.chain.independent[j];
+    LogColumn column;
+    column.signal = LogSignal::effort;
+    column.index = j;
+    column.unit = joint.prismatic() ? "N" : "N m";
+    column.header = joint.name + ".effort by the URDF's masses";
+    s.log.columns.push_back(column);
+    s.log.values.conservativeResize(Eigen::NoChange, s.log.values.cols() + 1);
+    s.log.values.rightCols(1) = loads[j]->at_all(s.log.values.rows()).matrix();
+  }
+}
+
 }  // namespace
 
 void check_loads(Sanity& s) {
+  if (s.log.values.rows() < fewest_rows_of_slope) return;
   const bool logged = std::any_of(s.log.columns.begin(), s.log.columns.end(),
                                   [](const LogColumn& c) { return c.signal == LogSignal::effort; });
-  if (!logged || s.log.values.rows() < fewest_rows_of_slope) return;
+  if (!logged) return add_loads(s);
   const JointPaths paths = joint_paths(s);
   const std::vector<std::optional<Loads>> loads = loads_by_masses(s, paths);
   for (std::size_t j = 0; j < paths.size(); ++j) make_load(s, j, paths[j], loads[j]);
