@@ -291,4 +291,60 @@ void check_decoding(Sanity& s, std::size_t encoder) {
                                  std::exp(-0.5 * tail * tail), before, after));
 }
 
+namespace {
+
+/// A bit of counts that never changes, and its value where the counts are those of the counter.
+struct StuckBit {
+  int bit = 0;
+  std::optional<bool> value;
+};
+
+/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur.
+std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
+  const double range = counts.maxCoeff() - counts.minCoeff();
+  for (int bit = 1; bit <= 12; ++bit) {
+    const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
+    if (range < 4.0 * static_cast<double>(modulus) || counts.size() < 20 * modulus) return std::nullopt;
+    std::vector<bool> seen(static_cast<std::size_t>(modulus));
+    for (const double count : counts) {
+      const double m = static_cast<double>(modulus);
+      seen[static_cast<std::size_t>(std::round(count - m * std::floor(count / m))) % seen.size()] = true;
+    }
+    const auto present = static_cast<Eigen::Index>(std::count(seen.begin(), seen.end(), true));
+    if (2 * present > modulus || 8 * present < 3 * modulus) continue;
+    Eigen::Index run = 0, longest = 0;
+    for (Eigen::Index k = 0; k < 2 * modulus; ++k) {
+      run = seen[static_cast<std::size_t>(k % modulus)] ? 0 : run + 1;
+      longest = std::max(longest, run);
+    }
+    if (2 * longest < modulus) continue;
+    const auto middle = seen.begin() + half;
+    if (std::none_of(middle, seen.end(), [](bool b) { return b; })) return StuckBit{bit, false};
+    if (std::none_of(seen.begin(), middle, [](bool b) { return b; })) return StuckBit{bit, true};
+    return StuckBit{bit, std::nullopt};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void check_stuck_bit(Sanity& s, std::size_t encoder) {
+  auto read = recorded_counts(s, encoder);
+  if (!read || !read->direct || read->counts.size() < 200) return;
+  const std::optional<StuckBit> stuck = stuck_bit(read->counts);
+  if (!stuck) return;
+  const double half = std::ldexp(1.0, stuck->bit);
+  s.data.push_back(
+      {"bit " + std::to_string(stuck->bit) + " of the counts never changes" +
+           (stuck->value ? *stuck->value ? ", it is 1" : ", it is 0" : "") + ": of every " +
+           significant(2 * half, 6) + " counts in a row one half is missing",
+       s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
+       "look for a broken line of a parallel or serial interface, or a mask in the driver" +
+           std::string(stuck->value ? "; the middle of what the counts may be is used here" : ""),
+       DataKind::corrupt});
+  if (!stuck->value) return;
+  read->counts += *stuck->value ? -half / 2 : half / 2;
+  write_back(s, *read, encoder);
+}
+
 }  // namespace qerr::sanity

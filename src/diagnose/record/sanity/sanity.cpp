@@ -131,6 +131,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
         sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_loads(s);
+  for (std::size_t i = 0; i < encoders; ++i) sanity::check_stuck_bit(s, i);
   sanity::check_outliers(s);
   sanity::check_held_sensors(s);  // before stuck sensors: a hold of many rows looks like one
   for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_reference_noise,

@@ -124,33 +124,6 @@ bool find_holds(Sanity& s, std::size_t encoder, const CountsAlone& c) {
   return false;
 }
 
-/// A bit that never changes: of the remainders by 2^(k+1) one half, in a row, does not occur.
-void find_stuck_bit(Sanity& s, std::size_t encoder, const CountsAlone& c) {
-  const double range = c.counts.maxCoeff() - c.counts.minCoeff();
-  for (int bit = 1; bit <= 12; ++bit) {
-    const auto modulus = static_cast<Eigen::Index>(1) << (bit + 1);
-    if (range < 4.0 * static_cast<double>(modulus) || c.counts.size() < 20 * modulus) return;
-    std::vector<bool> seen(static_cast<std::size_t>(modulus));
-    for (const double count : c.counts) {
-      const double m = static_cast<double>(modulus);
-      seen[static_cast<std::size_t>(std::round(count - m * std::floor(count / m))) % seen.size()] = true;
-    }
-    const auto present = static_cast<Eigen::Index>(std::count(seen.begin(), seen.end(), true));
-    if (2 * present > modulus || 8 * present < 3 * modulus) continue;
-    Eigen::Index run = 0, longest = 0;
-    for (Eigen::Index k = 0; k < 2 * modulus; ++k) {
-      run = seen[static_cast<std::size_t>(k % modulus)] ? 0 : run + 1;
-      longest = std::max(longest, run);
-    }
-    if (2 * longest < modulus) continue;
-    report(s, encoder, 0, DataKind::corrupt,
-           "bit " + std::to_string(bit) + " of the counts never changes: of every " +
-               std::to_string(modulus) + " counts in a row one half is missing",
-           "look for a broken line of a parallel or serial interface, or a mask in the driver");
-    return;
-  }
-}
-
 /// The longest stretch of a constant speed: rows [first, end).
 std::pair<Eigen::Index, Eigen::Index> steady_stretch(const CountsAlone& c) {
   const Eigen::Index width = std::max<Eigen::Index>(20, c.counts.size() / 50);
@@ -221,7 +194,6 @@ void check_unreferenced(Sanity& s, std::size_t encoder) {
     return;
   const CountsAlone c(read->counts);
   if (!find_holds(s, encoder, c)) find_leaps(s, encoder, c);
-  find_stuck_bit(s, encoder, c);
   find_ripple(s, encoder, c);
 }
 
