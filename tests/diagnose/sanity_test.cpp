@@ -244,6 +244,35 @@ TEST(Sanity, TakesTheFirstStateOfAPlayForNoCorruptReading) {
   }
 }
 
+TEST(Sanity, TakesAStuckBitFromTheReference) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Machine m(seed);
+    const int bit = 1 + static_cast<int>(seed % 4);
+    const bool one = seed % 3 == 0;
+    const Column whole = m.counted(m.path);
+    const Column read = whole.unaryExpr([&](double count) {
+      const auto c = static_cast<std::int64_t>(count), mask = std::int64_t{1} << bit;
+      return static_cast<double>(one ? c | mask : c & ~mask);
+    });
+    const auto sanity_of = [&](const Column& counts) {
+      return check_sanity(model_of(m), {},
+                          log_of({{LogSignal::time, m.time},
+                                  {LogSignal::counts, counts, 0},
+                                  {LogSignal::reference, m.reference()}}));
+    };
+    const auto stuck = [](const Sanity& s) {
+      return std::count_if(s.data.begin(), s.data.end(), [](const DataFinding& f) {
+        return f.what.find("of the counts never changes") != std::string::npos;
+      });
+    };
+    const Sanity s = sanity_of(read);
+    ASSERT_EQ(stuck(s), 1) << seed;
+    EXPECT_NE(s.data.front().what.find("bit " + std::to_string(bit) + " of"), std::string::npos);
+    EXPECT_TRUE((s.log.values.col(*s.log.find(LogSignal::counts, 0)) == whole).all()) << seed;
+    EXPECT_EQ(stuck(sanity_of(whole)), 0) << seed;
+  }
+}
+
 TEST(Sanity, ReportsConstantSensors) {
   Machine m(7);
   const Column counts = m.counted(m.path);

@@ -299,8 +299,11 @@ struct StuckBit {
   std::optional<bool> value;
 };
 
-/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur.
+/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur, and the counts leap over it: a steady
+/// motion by so many counts a row misses remainders, too.
 std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
+  const Eigen::Index n = counts.size();
+  const Eigen::ArrayXd bends = (counts.tail(n - 2) - 2 * counts.segment(1, n - 2) + counts.head(n - 2)).abs();
   const double range = counts.maxCoeff() - counts.minCoeff();
   for (int bit = 1; bit <= 12; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
@@ -317,7 +320,8 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
       run = seen[static_cast<std::size_t>(k % modulus)] ? 0 : run + 1;
       longest = std::max(longest, run);
     }
-    if (2 * longest < modulus) continue;
+    constexpr Eigen::Index fewest_leaps = 10;
+    if (2 * longest < modulus || (bends >= static_cast<double>(half)).count() < fewest_leaps) continue;
     const auto middle = seen.begin() + half;
     if (std::none_of(middle, seen.end(), [](bool b) { return b; })) return StuckBit{bit, false};
     if (std::none_of(seen.begin(), middle, [](bool b) { return b; })) return StuckBit{bit, true};
@@ -334,16 +338,23 @@ void check_stuck_bit(Sanity& s, std::size_t encoder) {
   const std::optional<StuckBit> stuck = stuck_bit(read->counts);
   if (!stuck) return;
   const double half = std::ldexp(1.0, stuck->bit);
-  s.data.push_back(
-      {"bit " + std::to_string(stuck->bit) + " of the counts never changes" +
-           (stuck->value ? *stuck->value ? ", it is 1" : ", it is 0" : "") + ": of every " +
-           significant(2 * half, 6) + " counts in a row one half is missing",
-       s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
-       "look for a broken line of a parallel or serial interface, or a mask in the driver" +
-           std::string(stuck->value ? "; the middle of what the counts may be is used here" : ""),
-       DataKind::corrupt});
-  if (!stuck->value) return;
-  read->counts += *stuck->value ? -half / 2 : half / 2;
+  s.data.push_back({"bit " + std::to_string(stuck->bit) + " of the counts never changes" +
+                        (stuck->value ? *stuck->value ? ", it is 1" : ", it is 0" : "") + ": of every " +
+                        significant(2 * half, 6) + " counts in a row one half is missing",
+                    s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
+                    "look for a broken line of a parallel or serial interface, or a mask in the driver" +
+                        std::string(stuck->value ? "; here the bit is taken from the reference" : ""),
+                    DataKind::corrupt});
+  const Eigen::ArrayXd reference =
+      encoder_reference(s, encoder) / s.model.transmission.encoders[encoder].resolution;
+  if (!stuck->value || reference.size() == 0) return;
+  // Of the two counts that a reading stands for the one that is nearer to the reference, but for a zero.
+  const double other = *stuck->value ? -half : half;
+  const Eigen::ArrayXd apart = read->counts + other / 2 - reference;
+  std::vector<double> sorted(apart.begin(), apart.end());  // two heaps, half a bit below and above the zero
+  std::sort(sorted.begin(), sorted.end());
+  const double zero = 0.5 * (sorted[sorted.size() / 20] + sorted[sorted.size() - 1 - sorted.size() / 20]);
+  read->counts = (((apart - zero) * other > 0).select(read->counts, read->counts + other)).eval();
   write_back(s, *read, encoder);
 }
 

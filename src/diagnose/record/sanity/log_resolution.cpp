@@ -50,6 +50,9 @@ void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   for (const double c : read.counts) divisor = std::gcd(divisor, std::llround(c - read.counts[0]));
   const auto every = static_cast<double>(divisor);
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
+  const Eigen::Index n = read.counts.size();
+  const Eigen::ArrayXd steps = read.counts.tail(n - 1) - read.counts.head(n - 1);
+  if (steps.maxCoeff() == steps.minCoeff()) return;  // a steady motion, by so many counts a row
   report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every);
   read.counts /= every;
   decode(s, read, encoder, 1 / every);

@@ -93,7 +93,7 @@ void check_frozen_reference(Sanity&, std::size_t encoder);
 void check_stuck_sensor(Sanity&, std::size_t encoder);
 void check_controller_output(Sanity&, std::size_t encoder);
 void check_loads(Sanity&);
-/// A bit of the counts that never changes: the middle of the counts that a reading may stand for replaces it.
+/// A bit of the counts that never changes: it is taken from the reference.
 void check_stuck_bit(Sanity&, std::size_t encoder);
 void check_tracker(Sanity&);
 void check_unreferenced(Sanity&, std::size_t encoder);
