@@ -123,6 +123,7 @@ void CsvReader::read_header() {
     throw Error({header_places_[0], "", "the first row must name the columns", "numbers",
                  "a header such as time [s],shoulder.counts"});
   if (format_.has_units) add_units();
+  if (format_.keyed_until > 0) take_keyed_rows();
   if (limits_.recognize) fit_header();
 }
 
@@ -158,6 +159,27 @@ void CsvReader::add_units() {
     if (unit.size() > 1 && (unit.front() == '[' || unit.front() == '('))
       unit = trimmed(unit.substr(1, unit.size() - 2));
     if (!unit.empty() && unit != "-") header_[i] += " [" + unit + ']';
+  }
+}
+
+/// Names of pairs of a time and a value: `time [ms]`, `Axis1.Counts`, `time of Axis1.Position [ms]`,
+/// `Axis1.Position [deg]`.
+void CsvReader::take_keyed_rows() {
+  std::vector<std::string> units(header_.size());
+  std::string of_time;
+  while (next_line_ <= format_.keyed_until && next_record()) {
+    const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
+    const ColumnName key = column_name(cells[0].text);
+    if (key.name == "SampleTime") of_time = key.unit;
+    for (std::size_t i = 1; key.name == "Unit" && i < std::min(cells.size(), units.size()); i += 2)
+      units[i] = cells[i].text;
+  }
+  const auto with_unit = [](const std::string& name, const std::string& unit) {
+    return unit.empty() ? name : name + " [" + unit + ']';
+  };
+  for (std::size_t i = 1; i < header_.size(); i += 2) {
+    header_[i - 1] = with_unit(i == 1 ? "time" : "time of " + header_[i], of_time);
+    header_[i] = with_unit(header_[i], units[i]);
   }
 }
 

@@ -126,6 +126,7 @@ class CsvReader {
   void take_header(const char* begin, const char* end);
   void number_columns();
   void add_units();
+  void take_keyed_rows();
   void fit_header();
   bool is_blank_in_cell(char c) const { return is_blank(c) && !separates(c); }
   bool separates(char c) const { return c == format_.separator || (format_.separator == ' ' && c == '\t'); }

@@ -313,7 +313,10 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
   throw Error({place_at(cell.begin), header_[chosen_[chosen]],
                cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
                cell.text.empty() ? "" : "'" + cell.text + "'",
-               unit_of(cell.text).empty()
+               cell.text.find("\u00b0") != std::string::npos && cell.text.find('\'') != std::string::npos
+                   ? "write degrees, minutes and seconds as decimal degrees, 12.582417 in a column '" +
+                         column_name(header_[chosen_[chosen]]).name + " [deg]'"
+               : unit_of(cell.text).empty()
                    ? "write a plain number, or leave the row out" +
                          (is_missing(cell.text) ? limits_.empty_remedy : "")
                    : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name +

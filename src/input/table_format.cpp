@@ -159,6 +159,30 @@ bool is_units_row(std::string_view line, char separator) {
   return std::all_of(cells.begin(), cells.end(), is_unit_word);
 }
 
+/// The key that every other cell repeats, `Name x Name y`; "" if there is none.
+std::string_view repeated_key(std::string_view line, char separator) {
+  const auto cells = cells_by(line, separator);
+  if (cells.size() < 4 || cells[0].empty() || is_numeric(cells[0], '.')) return "";
+  for (std::size_t i = 2; i < cells.size() - cells.size() % 2; i += 2)
+    if (cells[i] != cells[0]) return "";
+  return cells[0];
+}
+
+/// TwinCAT's Scope writes above the rows what each pair of columns is, a key before each word.
+void find_keyed_header(TableFormat& f, const std::vector<SampleLine>& lines, std::size_t last) {
+  std::size_t name = lines.size();
+  for (std::size_t i = last + 1; i-- > 0;) {
+    const std::string_view key = repeated_key(lines[i].text, f.separator);
+    if (key.empty()) break;
+    if (key == "Name" || (key == "SymbolName" && name == lines.size())) name = i;
+  }
+  if (name == lines.size()) return;
+  f.keyed_until = lines[last].number;
+  f.header = lines[name].offset;
+  f.header_line = lines[name].number;
+  f.has_units = false;
+}
+
 /// Finds the header among the lines, by the rows that follow it.
 void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
   std::vector<LineCells> cells;
@@ -202,6 +226,7 @@ void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
   f.header = lines[best].offset;
   f.header_line = lines[best].number;
   for (std::size_t i = 0; i < best; ++i) f.preamble += !lines[i].comment;
+  if (f.has_header) find_keyed_header(f, lines, f.has_units ? best + 1 : best);
 }
 
 /// Whether a cell of a row shows the decimal mark.

@@ -17,7 +17,9 @@ struct TableFormat {
   bool has_header = true;
   bool header_is_comment = false;  ///< `# time q1 q2`, as numpy.savetxt writes it
   bool has_units = false;          ///< the row behind the header has the units of the columns
-  std::size_t header = 0;          ///< offset of the header's line, or of the first row
+  int keyed_until =
+      0;  ///< last line of rows `Name x Name y`, `Unit - Unit deg`, of a time and a value each; 0: none
+  std::size_t header = 0;  ///< offset of the header's line, or of the first row
   int header_line = 1;
   int preamble = 0;       ///< lines before it that are neither comments nor blank
   std::size_t cells = 0;  ///< of most rows, a trailing separator included; 0: there are no rows

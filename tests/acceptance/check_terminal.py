@@ -94,7 +94,7 @@ def check_progress(t, qerr):
         arm = CONFIGS / "kuka_lwr" / "spec.yaml"
         # One thread: the time until there is something to show does not depend on the number of cores.
         one = ["--threads", "1"]
-        for noun, words in (("configurations", ["analyze", arm, *one, "--set", "configurations.count=6000000"]),
+        for noun, words in (("configurations", ["analyze", arm, *one, "--set", "configurations.count=12000000"]),
                             ("variants", ["sweep", arm, *one, "--set", "sweep=[{key: configurations.seed, from: 1, to: 80, count: 80}]"]),
                             ("samples", ["simulate", spec, *one, "--runs", "1500"]), ("bytes", ["diagnose", spec, log])):
             text, code = on_terminal(qerr, words, 80)

@@ -217,6 +217,16 @@ std::vector<Stranger> strangers() {
                 return row;
               }),
        {"shoulder.counts: Schulter Inkremente", "elbow.counts: Ellbogen Inkremente"}});
+  all.push_back({"TwinCAT's Scope",
+                 log_of("Name\tScope Project\nFile\tC:\\scope.svdx\nStarttime of "
+                        "export\t133482938400000000\t2024-01-05 10:04\n\n"
+                        "Name\tShoulder.Counts\tName\tShoulder.Ref\nSymbolName\tMAIN.c\tSymbolName\tMAIN.r\n"
+                        "Port\t851\tPort\t851\nSampleTime[ms]\t10\tSampleTime[ms]\t10\nUnit\t\tUnit\tdeg\n",
+                        [&](int i) {
+                          const std::string stamp = std::to_string(10 * i) + '\t';
+                          return stamp + counted(i, 0) + '\t' + stamp + text_of(deg * load(i, 0));
+                        }),
+                 {"shoulder.counts: Shoulder.Counts", "shoulder.reference: 'Shoulder.Ref [deg]'"}});
   all.push_back(
       {"no header",
        log_of("0 0 0 0 0", [](int i) { return text_of(0.01 * (i + 1)) + ' ' + several(i, " ", motor); }),

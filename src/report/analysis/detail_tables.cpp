@@ -35,21 +35,25 @@ const char* sigma_label(const Analysis& a) {
   return has_effects(a) ? "  sigma (IPQN, effects)" : "  sigma (IPQN)";
 }
 
-std::string position_table(const Analysis& a) {
+/// @param group  of closed loops: `closed_torque`; "": of all other signals
+std::string position_table(const Analysis& a, const std::string& group, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const bool closed = is_closed(coordinates[i]);
+    if ((closed ? coordinates[i].kind->group : "") != group) continue;
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const std::string &name = coordinates[i].name, &unit = coordinates[i].unit;
+    const std::string name = closed ? coordinates[i].name.substr(group.size() + 1) : coordinates[i].name,
+                      &unit = coordinates[i].unit;
     rows.push_back(figures(name + sigma_label(a), c.sigma, unit));
     rows.push_back(figures(name + "  worst case", c.worst_case, unit));
-    if (std::isfinite(c.worst_case_rigorous.min))
+    if (!closed && std::isfinite(c.worst_case_rigorous.min))
       rows.push_back(figures(name + "  worst case, rigorous", c.worst_case_rigorous, unit));
   }
-  return aligned(rows);
+  return rows.size() > 1 ? fitted_table(rows, style.width) : "";
 }
 
-std::string derivative_table(const Analysis& a, std::size_t f) {
+std::string derivative_table(const Analysis& a, std::size_t f, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
@@ -66,19 +70,24 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
       rows.push_back(figures(c.name + "  sigma in motion", *moving, unit));
     rows.push_back(figures(c.name + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
   }
-  return aligned(rows);
+  return fitted_table(rows, style.width);
 }
 
 }  // namespace
 
 std::string detail_tables(const Analysis& a, const Style& style) {
-  std::string out =
-      heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
+  std::string out;
+  for (const auto& [group, title] :
+       {std::pair{"", "Position of the tip, estimate minus true, over the configurations"},
+        {"closed_torque", "Torque of the drives due to errors, the loops closed"},
+        {"closed_position", "True motion due to errors, the loops closed"}})
+    if (const std::string table = position_table(a, group, style); !table.empty())
+      out += heading(title, style) + table;
   out += ellipsoid_tables(a, style);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     out += heading("Filter '" + escaped(a.spec.filters[f].name, 40) + "': " + norm_text(a.spec.filters[f]),
                    style) +
-           derivative_table(a, f);
+           derivative_table(a, f, style);
   if (a.spec.motion && !a.spec.filters.empty())
     out += '\n' + wrapped(
                       "sigma in motion: encoders move as in `motion:`, Jacobians are those of the "
