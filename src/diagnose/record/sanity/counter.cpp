@@ -303,16 +303,17 @@ struct StuckBit {
 /// motion by so many counts a row misses remainders, too.
 std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   const Eigen::Index n = counts.size();
-  const Eigen::ArrayXd bends = (counts.tail(n - 2) - 2 * counts.segment(1, n - 2) + counts.head(n - 2)).abs();
   const double range = counts.maxCoeff() - counts.minCoeff();
-  for (int bit = 1; bit <= 12; ++bit) {
+  constexpr int highest = 12;
+  std::vector<bool> remainders(std::size_t{2} << highest);  // by the largest modulus
+  for (const double count : counts)
+    remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)] = true;
+  for (int bit = 1; bit <= highest; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
-    if (range < 4.0 * static_cast<double>(modulus) || counts.size() < 20 * modulus) return std::nullopt;
+    if (range < 4.0 * static_cast<double>(modulus) || n < 20 * modulus) return std::nullopt;
     std::vector<bool> seen(static_cast<std::size_t>(modulus));
-    for (const double count : counts) {
-      const double m = static_cast<double>(modulus);
-      seen[static_cast<std::size_t>(std::round(count - m * std::floor(count / m))) % seen.size()] = true;
-    }
+    for (std::size_t r = 0; r < remainders.size(); ++r)
+      if (remainders[r]) seen[r % seen.size()] = true;
     const auto present = static_cast<Eigen::Index>(std::count(seen.begin(), seen.end(), true));
     if (2 * present > modulus || 8 * present < 3 * modulus) continue;
     Eigen::Index run = 0, longest = 0;
@@ -321,6 +322,7 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
       longest = std::max(longest, run);
     }
     constexpr Eigen::Index fewest_leaps = 10;
+    const auto bends = (counts.tail(n - 2) - 2 * counts.segment(1, n - 2) + counts.head(n - 2)).abs();
     if (2 * longest < modulus || (bends >= static_cast<double>(half)).count() < fewest_leaps) continue;
     const auto middle = seen.begin() + half;
     if (std::none_of(middle, seen.end(), [](bool b) { return b; })) return StuckBit{bit, false};
