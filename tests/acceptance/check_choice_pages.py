@@ -243,6 +243,9 @@ def check_design(t, qerr, folder):
     found, drawn = report(qerr, "design", spec), figures(root)
     optimum, figure = found["optimal"], drawn["Price against position.x.sigma p99"]
     t.check("design: the front as in JSON", marks(figure, "front") == [(p["price"], p["value"]) for p in found["pareto"]])
+    rows = [(p["price"], p["value"]) for p in found["uniform"] if p["value"] <= found["pareto"][0]["value"]]
+    t.check("design: a row of the catalogue at all joints, as in JSON", len(rows) > 1 and marks(figure, "one encoder at all joints") == rows)
+    t.check("design: it is one row each", all(len(set(p["encoders"].values())) == 1 for p in found["uniform"]), str(found["uniform"]))
     for name, key in (("optimum", "optimal"), ("runner-up", "runner_up")):
         wanted = [(found[key]["price"], found[key]["requirements"][0]["value"])]
         t.check(f"design: the {name} as in JSON", marks(figure, name) == wanted, f"{marks(figure, name)} for {wanted}")

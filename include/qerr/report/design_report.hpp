@@ -87,6 +87,7 @@ struct DesignReport {
   std::vector<RequirementPrice> requirement_prices;
   std::string pareto_figure, pareto_unit;
   std::vector<ParetoPoint> pareto;
+  std::vector<ParetoPoint> uniform;  ///< one option at all chosen joints, whether it meets the limits or not
   /// Nothing feasible: the design whose largest value over its limit is least.
   std::optional<Design> finest;
   std::vector<std::string> obstacles;          ///< nothing feasible: why, in sentences

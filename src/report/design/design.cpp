@@ -422,6 +422,29 @@ class DesignJob {
       if (found.best.empty()) break;
       add_point(found, free, *p);
     }
+    find_uniform(best.set, *p);
+  }
+
+  /// Each option that all chosen joints have, at all of them: the rows of a catalogue beside the front.
+  void find_uniform(std::size_t set, std::size_t p) {
+    constexpr std::size_t most = 60;
+    const auto& all = problem_->options();
+    std::size_t first = 0;
+    while (!problem_->chosen(first)) ++first;
+    for (const PricedOption& option : all[first]) {
+      FoundDesign d{0, set, {}};
+      for (std::size_t j = 0; j < all.size(); ++j) {
+        const auto same = std::find_if(all[j].begin(), all[j].end(), [&](const PricedOption& o) {
+          return !problem_->chosen(j) || o.option.name == option.option.name;
+        });
+        if (same == all[j].end()) break;
+        d.choice.push_back(static_cast<std::size_t>(same - all[j].begin()));
+        d.cost += same->cost;
+      }
+      if (d.choice.size() < all.size() || report_.uniform.size() == most) continue;
+      const auto [price, bits] = costs(d);
+      report_.uniform.push_back({price, bits, solver_->value(d, p), encoders_of(d.choice), true});
+    }
   }
 
   /// The finest design at the cost of the one found.

@@ -123,6 +123,12 @@ std::string front_section(const DesignReport& r) {
   for (const ParetoPoint& p : r.pareto)
     front.points.emplace_back(by_bits(r) ? p.bits : p.price.value_or(0), p.value);
   plot.series.push_back(front);
+  // Rows far beyond the front would squeeze it.
+  page::Series rows{"one encoder at all joints", {}, true, false};
+  for (const ParetoPoint& p : r.uniform)
+    if (p.value <= r.pareto.front().value && p.value > 0)
+      rows.points.emplace_back(by_bits(r) ? p.bits : p.price.value_or(0), p.value);
+  if (!rows.points.empty()) plot.series.push_back(std::move(rows));
   mark_design(plot, r, "optimum", r.optimal);
   mark_design(plot, r, "runner-up", r.runner_up);
   return "<p>Each mark of the front is a design that no cheaper one equals in " +

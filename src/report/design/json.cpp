@@ -147,6 +147,8 @@ RowsOf<DesignReport> rows(Of<DesignReport>) {
        {"price_of_requirements", &Report::requirement_prices},
        {"pareto", within(&Report::pareto),
         "by ascending price; minimize: resolution, or a price is missing: by bits"},
+       {"uniform", within(&Report::uniform),
+        "one option at all joints to choose for, in the figure of the front"},
        {"finest", within(&Report::finest), "nothing feasible: the design nearest to all limits"},
        {"obstacles", &Report::obstacles, "nothing feasible: why"},
        {"left_out", &Report::left_out, "options that cannot count fast enough"},
