@@ -55,6 +55,12 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
 
 void CsvReader::recognize() {
   format_ = recognize_table({buffer_.data() + next_, end_ - next_});
+  if (format_.maybe_thousands)
+    throw Error({{file(), format_.header_line + 1, 1},
+                 "",
+                 "commas with three digits behind each: of thousands, or of decimals?",
+                 "",
+                 "write numbers without marks of thousands, or with decimal points"});
   next_line_ += format_.header_line - 1;
   row_ = next_ += format_.header;
 }

@@ -238,6 +238,23 @@ bool shows_decimals(const TableFormat& f, const std::vector<SampleLine>& lines) 
   return false;
 }
 
+/// Whether each decimal comma of the rows stands like one of thousands, with three digits behind it.
+bool all_like_thousands(const TableFormat& f, const std::vector<SampleLine>& lines) {
+  constexpr std::size_t fewest = 8;
+  std::size_t commas = 0;
+  for (const SampleLine& line : lines) {
+    if (line.comment) continue;
+    for (const std::string_view cell : cells_by(line.text, f.separator)) {
+      if (!is_numeric(cell, ',') || cell.find(',') == std::string_view::npos) continue;
+      std::string pointed(cell);
+      std::replace(pointed.begin(), pointed.end(), ',', '.');
+      if (!may_be_thousands(pointed) || pointed.size() - pointed.find('.') != 4) return false;
+      ++commas;
+    }
+  }
+  return commas >= fewest;
+}
+
 /// Whether `"1,5"` in a table that commas separate is a number: in several rows, and none has a decimal
 /// point.
 bool has_quoted_commas(const std::vector<SampleLine>& lines) {
@@ -380,6 +397,7 @@ TableFormat recognize_table(std::string_view head) {
       if (marks(c) > marks(f.separator)) f.separator = c;
   }
   f.decimal_unknown = f.separator != ',' && !shows_decimals(f, lines);
+  f.maybe_thousands = f.decimal == ',' && all_like_thousands(f, lines);
   find_header(f, lines);
   return f;
 }

@@ -244,6 +244,14 @@ TEST_F(LogFormats, APointInATableOfDecimalCommasIsAsked) {
   EXPECT_EQ(values(log, LogSignal::counts)[2], 1234567);
   EXPECT_EQ(values(log, LogSignal::reference)[1] - values(log, LogSignal::reference)[0], 0.125 - 1.5)
       << "0.125 can be no thousands";
+  // English thousands in a table without any other decimals.
+  std::string rows, german;
+  for (int i = 0; i < 9; ++i) {
+    rows += std::to_string(i) + ";" + std::to_string(i) + ";64,86" + std::to_string(i) + '\n';
+    german += std::to_string(i) + ";" + std::to_string(i) + ";0,86" + std::to_string(i) + '\n';
+  }
+  EXPECT_NE(refusal(head + rows).find("of thousands, or of decimals?"), std::string::npos);
+  EXPECT_EQ(values(read(head + german), LogSignal::reference)[1], 0.861);
 }
 
 TEST_F(LogFormats, GroupsOfThousandsAreReadWithAnyMark) {
