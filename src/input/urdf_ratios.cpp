@@ -133,6 +133,17 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
     const std::string name = word_of(*joints[0], "name");
     const UrdfElement* ratio = only_reduction(owners, name);
     if (ratio) stated[name].push_back(ratio);
+    if (const std::string motor = actuators.empty() ? "" : word_of(*actuators[0], "name"); !motor.empty()) {
+      const auto [known, fresh] = motors_.try_emplace(motor, name);
+      if (!fresh && known->second != name) {
+        flaws_.concern_joints(std::vector<std::string>{known->second, name});
+        flaws_.warn(element, element.title(),
+                    "actuator " + qerr::quoted(motor) + " moves " + qerr::quoted(known->second) +
+                        ", too: that they share it "
+                        "is not read",
+                    "", "state gear_ratio and coupling of these joints in the spec");
+      }
+    }
     for (const UrdfElement* owner : owners)
       if (!ratio && owner->attribute("mechanicalReduction"))
         flaws_.warn(*owner, "joint " + quoted(name), "ROS reads mechanicalReduction as an element only",

@@ -94,7 +94,8 @@ class UrdfReader {
   std::string file_;
   FlawList flaws_;
   std::unordered_map<std::string, std::size_t> link_index_, joint_index_,
-      parent_joint_;  ///< parent_joint_: child link -> its joint
+      parent_joint_;                           ///< parent_joint_: child link -> its joint
+  std::map<std::string, std::string> motors_;  ///< of transmissions of one joint: name, joint
 };
 
 }  // namespace qerr

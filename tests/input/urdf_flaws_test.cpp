@@ -290,6 +290,14 @@ TEST(StatedRatios, ThatRosReadsOtherwiseAreSaid) {
   EXPECT_NE(warnings(piston)[0].find("PistonTransmission of 'ab' are not known"), std::string::npos);
   ASSERT_EQ(warnings(attribute).size(), 1u);
   EXPECT_NE(warnings(attribute)[0].find("as an element only"), std::string::npos) << warnings(attribute)[0];
+  std::string shared;
+  for (const char* moved : {"ab", "bc"})
+    shared += std::string("<transmission name='") + moved + "'><type>SimpleTransmission</type><joint name='" +
+              moved + "'/>" + reduction("actuator", "m", "50") + "</transmission>";
+  const RobotModel one_motor = read(robot(links + joint("ab", "revolute", "a", "b", limit) +
+                                          joint("bc", "revolute", "b", "c", limit) + shared));
+  ASSERT_EQ(warnings(one_motor).size(), 1u);
+  EXPECT_NE(warnings(one_motor)[0].find("actuator 'm' moves 'ab', too"), std::string::npos);
 }
 
 TEST(StatedRatios, OfAPrismaticJointAreRadiansPerMetre) {
