@@ -129,7 +129,7 @@ class ThresholdSearch {
  private:
   double ratio(double v, int bits) const { return slow_sine_sigma(a_, v, bits) / ipqn_; }
 
-  /// By a few bits where they decide, which is three times as fast.
+  /// By a few bits where they decide, which is faster.
   bool outside(double v) const {
     // The missing bits change a lag's part of the ratio by 12 * 18 * 2^-20/(2 pi^3 sqrt(10)) = 1.1e-6.
     constexpr double doubt = 1e-4;

@@ -7,6 +7,9 @@
 
 namespace qerr {
 
+/// Bits of a sum at full precision: one more than a double has.
+inline constexpr int full_bits = 54;
+
 /// A quantized sine: x = offset + amplitude sin(phi), phi uniform, all in quanta (Delta = 1), rounded to
 /// nearest, e = round(x) - x (paper, Appendix B, Eqs. 54 to 56).
 ///
@@ -21,7 +24,6 @@ namespace qerr {
 /// error below 1e-12 (times the amplitude for the correlation).
 /// @param offset, amplitude  [quanta]; finite, amplitude >= 0
 /// @param bits  of the sum that are wanted beyond amplitude 10: fewer are faster
-inline constexpr int full_bits = 54;
 double quantized_sine_mean(double offset, double amplitude);
 double quantized_sine_mean_square(double offset, double amplitude, int bits = full_bits);
 double quantized_sine_correlation(double offset, double amplitude);

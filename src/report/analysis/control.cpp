@@ -178,11 +178,18 @@ double control_value(const Requirement& r, const Spec& spec, const ControlReport
 }
 
 std::vector<SingleFigure> control_rows(const Spec& spec, const ControlReport& report) {
+  using Kind = ControlFigure::Kind;
   std::vector<SingleFigure> rows;
-  for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
-    if (const std::optional<double> value = value_of(f, report))
-      rows.push_back({f.name, unit_name(f.dimension),
-                      f.kind == ControlFigure::Kind::limit_cycle ? "max" : "min", *value});
+  for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain)) {
+    const std::optional<double> value = value_of(f, report);
+    if (!value) continue;
+    const bool wall = f.kind == Kind::wall_stiffness;
+    // Rows carry no warning: what a requirement is refused on is not known.
+    const bool counted = f.kind == Kind::largest_kd ||
+                         uncounted_readings(spec, wall ? std::nullopt : std::optional(f.index), wall).empty();
+    rows.push_back({f.name, unit_name(f.dimension), f.kind == Kind::limit_cycle ? "max" : "min",
+                    counted ? *value : unknown_figure});
+  }
   return rows;
 }
 

@@ -76,13 +76,14 @@ std::string derivative_table(const Analysis& a, std::size_t f, const Style& styl
 }  // namespace
 
 std::string detail_tables(const Analysis& a, const Style& style) {
-  std::string out;
-  for (const auto& [group, title] :
-       {std::pair{"", "Position of the tip, estimate minus true, over the configurations"},
-        {"closed_torque", "Torque of the drives due to errors, the loops closed"},
-        {"closed_position", "True motion due to errors, the loops closed"}})
-    if (const std::string table = position_table(a, group, style); !table.empty())
-      out += heading(title, style) + table;
+  std::string out = heading("Position of the tip, estimate minus true, over the configurations", style) +
+                    position_table(a, "", style);
+  std::vector<std::string> groups;  // of closed loops
+  for (const Signal& signal : all_signals(a.spec.model))
+    if (is_closed(signal) && (groups.empty() || groups.back() != signal.kind->group))
+      groups.emplace_back(signal.kind->group);
+  for (const std::string& group : groups)
+    out += heading("Loops closed: " + group + " due to errors", style) + position_table(a, group, style);
   out += ellipsoid_tables(a, style);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     out += heading("Filter '" + escaped(a.spec.filters[f].name, 40) + "': " + norm_text(a.spec.filters[f]),
