@@ -33,6 +33,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "qerr")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${package_folder}/prerm)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "the commands of qerr as functions of Python
 Reports as dicts and as rows for pandas, logs as NumPy arrays, errors as
 exceptions.")

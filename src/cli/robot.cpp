@@ -56,6 +56,7 @@ void write_spec(const RobotReport& report, const std::string& text, SpecFiles& f
   const std::string& spec = v.text("write-spec");
   const Chain chain = first_chain(report.robot, v.text("base"), v.text("tip"));
   const std::string urdf = files.urdf ? kept_urdf(spec) : v.text("URDF");
+  if (spec == "-") warn(warnings_about(report.robot, chain), v);  // no report has them
   if (files.urdf) {
     finish(*files.urdf, text);
     if (!v.given("quiet"))

@@ -27,15 +27,17 @@ constexpr std::array symbols{
     UnitSymbol{"m", 1, dimension::length, true},
     UnitSymbol{"in", 0.0254, dimension::length},
     UnitSymbol{"rad", 1, dimension::angle, true},
-    UnitSymbol{"deg", pi / 180, dimension::angle},
+    UnitSymbol{"deg", pi / 180, dimension::angle, true},
     UnitSymbol{"°", pi / 180, dimension::angle},
     UnitSymbol{"º", pi / 180, dimension::angle},  // U+00BA, the key next to 0 on many keyboards
     UnitSymbol{"arcmin", pi / 10800, dimension::angle},
     UnitSymbol{"arcsec", pi / 648000, dimension::angle},
-    UnitSymbol{"rev", 2 * pi, dimension::angle},
+    UnitSymbol{"gon", pi / 200, dimension::angle, true},
+    UnitSymbol{"rev", 2 * pi, dimension::angle, true},
     UnitSymbol{"s", 1, dimension::time, true},
     UnitSymbol{"min", 60, dimension::time},
     UnitSymbol{"h", 3600, dimension::time},
+    UnitSymbol{"d", 86400, dimension::time},
     UnitSymbol{"Hz", 1, dimension::frequency, true},
     UnitSymbol{"rpm", 2 * pi / 60, dimension::angular_speed},
     UnitSymbol{"N", 1, {0, 0, 0, 1}, true},
@@ -261,7 +263,12 @@ std::span<const UnitPrefix> unit_prefixes() { return prefixes; }
 
 std::optional<Unit> parse_unit(std::string_view text, std::string& why) {
   why.clear();
-  return UnitReader(text, why).whole();
+  const auto size = leading_number(text);
+  if (!size || size->first == 0 || size->second == text.size() || text[size->second] != ' ')
+    return UnitReader(text, why).whole();
+  auto unit = UnitReader(text.substr(after_blanks(text, size->second)), why).whole();
+  if (unit) unit->factor *= size->first;
+  return unit;
 }
 
 std::string shortest(double value) {

@@ -193,6 +193,10 @@ void CsvReader::take_keyed_rows() {
 /// round; between blanks `angle (deg)` is one name, between commas `Angle, deg`.
 void CsvReader::fit_header() {
   const bool blanks = format_.separator == ' ';
+  if (blanks && header_.size() == format_.cells + 1 && header_[0] == "%") {  // as MATLAB writes a comment
+    header_.erase(header_.begin());
+    header_places_.erase(header_places_.begin());
+  }
   const auto is_unit = [&](const std::string& cell) {
     return blanks ? cell.starts_with('(') || cell.starts_with('[') : is_unit_behind_comma(cell);
   };

@@ -7,6 +7,7 @@
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
+#include "input/log_names.hpp"
 #include "qerr/core/quantity.hpp"
 
 /// The rows of a table. The fast path reads rows of unquoted numbers in one pass without a copy; a row with
@@ -107,7 +108,11 @@ void make_decimal_point(char* begin, const char* end) {
 }  // namespace
 
 bool is_missing(std::string_view text) {
-  static constexpr std::string_view words[]{"", "nan", "na", "n/a", "#n/a", "null", "none", "nil", "-", "--"};
+  static constexpr std::string_view words[]{"",     "nan",  "na",  "n/a", "#n/a", "#nv",
+                                            "null", "none", "nil", "-",   "--"};
+  // What Excel writes in place of a number: #DIV/0!, #WERT!, #REF!, #NAME?, #####.
+  if (text.starts_with('#') && (text.ends_with('!') || text.ends_with('?') || text.ends_with('#')))
+    return true;
   std::string lower(text.substr(0, 5));
   for (char& c : lower)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
@@ -280,6 +285,13 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
     return text;
   }
   const bool commas = format_.decimal == ',' || format_.decimal_unknown;
+  // Beside decimal points a comma is none: `1,002`.
+  if (!commas && format_.separator != ',' && is_numeric(text, ',')) {
+    std::string pointed = text;
+    std::replace(pointed.begin(), pointed.end(), ',', '.');
+    if (may_be_thousands(pointed)) std::erase(text, ',');
+    return text;
+  }
   const auto mark = remove_thousands(text);
   if (mark == ',' || (!mark && commas && replace_decimal_comma(text))) {
     format_.decimal = ',';
@@ -290,12 +302,11 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
 
 namespace {
 
-/// The unit behind the number of a cell, `deg` of `12.5 deg`; "" if there is none.
+/// The unit behind the number of a cell, `deg` of `12.5 deg` or `12.5\u00b0`; "" if there is none.
 std::string unit_of(const std::string& cell) {
-  const std::size_t blank = cell.find(' ');
-  if (blank == std::string::npos || !is_numeric(cell.substr(0, blank), '.')) return "";
-  std::string why, unit = cell.substr(cell.find_last_of(' ') + 1);
-  return parse_unit(unit, why) ? unit : "";
+  const std::size_t end = cell.find_last_of("0123456789.") + 1;
+  if (end == 0 || !is_numeric(cell.substr(0, end), '.')) return "";
+  return unit_in_words(trimmed(cell.substr(end)));
 }
 
 }  // namespace

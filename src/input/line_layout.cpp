@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/text.hpp"
+#include "input/log_names.hpp"
 
 namespace qerr {
 
@@ -84,6 +85,9 @@ LineLayout::LineLayout(std::string_view head) {
     arrow_ = ' ';
     for (const char mark : {',', ';', '\t'})
       if (cells.find(mark) != std::string_view::npos) arrow_ = mark;
+    // The monitor's stamps, beside those of the board.
+    const bool own = std::any_of(labels_.begin(), labels_.end(), is_time_name);
+    if (!labels_.empty()) labels_.insert(labels_.begin(), own ? "received" : "timestamp");
   }
 }
 

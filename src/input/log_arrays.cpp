@@ -43,7 +43,7 @@ class ArraySamples : public LogSamples {
                      std::to_string(array.rows) + " and " + std::to_string(arrays.front().rows),
                      "give signals of other rates as files"});
     std::vector<ColumnMeaning> meanings = column_meanings(names, reading);
-    time_ = time_column(meanings);
+    time_ = find_stamps(names, meanings, [&](std::size_t i) { return texts_of(i, sampled_stamps); });
     if (time_) {
       stamps_ =
           recognize_stamps(arrays_name, names, *time_, texts_of(*time_, sampled_stamps), meanings[*time_]);

@@ -100,9 +100,16 @@ bool take_mark(std::string_view& text, std::string_view marks) {
   return true;
 }
 
-/// Days since 1970 of `2026-11-26`, `2026/11/26`, `26.11.2026`, `26/11/2026`, `11/26/2026`: with a slash the
-/// day is first if the numbers permit it. Differences of stamps depend on the order at midnight only.
-std::optional<std::int64_t> take_date(std::string_view& text) {
+std::optional<std::int64_t> days_of(std::int64_t year, std::int64_t month, std::int64_t day) {
+  const std::chrono::year_month_day date(std::chrono::year(static_cast<int>(year)),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day)));
+  if (!date.ok()) return std::nullopt;
+  return std::chrono::sys_days(date).time_since_epoch().count();
+}
+
+/// `2026-11-26`, `2026/11/26`, `26.11.2026`, `26/11/2026`, `11/26/2026`.
+std::optional<CalendarDate> take_date(std::string_view& text) {
   const std::size_t mark = std::min(text.find_first_of("-/."), text.size());
   const bool year_first = mark == 4;
   const auto first = take_digits(text, 4);
@@ -114,16 +121,18 @@ std::optional<std::int64_t> take_date(std::string_view& text) {
   if (!third) return std::nullopt;
   std::int64_t y = *first, m = *second, d = *third;
   if (!year_first) std::swap(y, d);
-  if (!year_first && kind == "/" && m > 12) std::swap(m, d);
   if (!year_first && y < 100) y += 2000;
-  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(y)),
-                                        std::chrono::month(static_cast<unsigned>(m)),
-                                        std::chrono::day(static_cast<unsigned>(d)));
-  if (!day.ok()) return std::nullopt;
-  return std::chrono::sys_days(day).time_since_epoch().count();
+  const bool either = !year_first && kind == "/";
+  CalendarDate date{0, either && m != d ? days_of(y, d, m) : std::nullopt, either && m > 12};
+  const auto days = date.month_first ? date.exchanged : days_of(y, m, d);
+  if (!days) return std::nullopt;
+  date.days = *days;
+  if (date.month_first || d > 12) date.exchanged.reset();
+  return date;
 }
 
-/// `hh:mm[:ss[.d...]][ AM| PM]`, or minutes and seconds `mm:ss.d...`; a comma may stand for the point.
+/// `hh:mm[:ss[.d...]][ AM| PM]`, or minutes and seconds `mm:ss.d...`; a comma may stand for the point, and
+/// behind seconds a colon.
 std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
   auto h = take_digits(text, 2);
   if (!h || !take_mark(text, ":")) return std::nullopt;
@@ -138,7 +147,7 @@ std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
   }
   if (!min || !s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
   std::int64_t part = 0;
-  if ((with_seconds || minutes_first) && take_mark(text, ".,")) {
+  if ((with_seconds && take_mark(text, ".,:")) || (minutes_first && take_mark(text, ".,"))) {
     const auto digits =
         static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
     const auto read = digits > 0 ? attoseconds(std::string(text.substr(0, digits))) : std::nullopt;
@@ -156,24 +165,59 @@ std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
 }
 
 /// A date and a time of day, with `T` or a blank between them and perhaps a zone; or a time of day alone.
-std::optional<TimeStamp> calendar_stamp(std::string_view text, bool& dated) {
-  std::int64_t days = 0;
+/// @param date  without it the stamp has the time of day only
+std::optional<TimeStamp> calendar_stamp(std::string_view text, std::optional<CalendarDate>& date) {
   const std::size_t mark = text.find_first_not_of("0123456789");
-  dated = mark != std::string_view::npos && text[mark] != ':';
-  if (dated) {
-    const auto date = take_date(text);
+  if (mark != std::string_view::npos && text[mark] != ':') {
+    date = take_date(text);
     if (!date || !take_mark(text, "Tt ,;_")) return std::nullopt;
     while (take_mark(text, " ")) {
     }
-    days = *date;
   }
   const auto time = take_time_of_day(text);
   const auto east = time ? zone(text) : std::nullopt;
   if (!east) return std::nullopt;
-  return TimeStamp{86400 * days + time->seconds - *east, time->attoseconds};
+  return TimeStamp{time->seconds - *east, time->attoseconds};
 }
 
+/// First letters of the months in English, German and French, the longer ones first.
+constexpr std::pair<std::string_view, int> months[] = {
+    {"juin", 6}, {"juil", 7},     {"jan", 1},  {"feb", 2},  {"f\u00e9v", 2}, {"fev", 2},
+    {"mar", 3},  {"m\u00e4r", 3}, {"mrz", 3},  {"apr", 4},  {"avr", 4},      {"may", 5},
+    {"mai", 5},  {"jun", 6},      {"jul", 7},  {"aug", 8},  {"ao\u00fb", 8}, {"sep", 9},
+    {"oct", 10}, {"okt", 10},     {"nov", 11}, {"dec", 12}, {"dez", 12},     {"d\u00e9c", 12}};
+
 }  // namespace
+
+std::string with_month_number(std::string_view text) {
+  const std::size_t begin = std::min(text.find_first_not_of("0123456789 ./-"), text.size());
+  const std::size_t end = std::min(text.find_first_of("-./ 0123456789", begin), text.size());
+  if (begin == 0 || end - begin < 3) return std::string(text);
+  std::string name(text.substr(begin, end - begin));
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  const char mark = text[begin - 1];
+  const std::size_t behind = std::min(text.find_first_not_of(". -/", end), text.size());
+  for (const auto& [letters, number] : months)
+    if (name.starts_with(letters) && !is_digit(mark) && behind > end)
+      return std::string(text.substr(0, text.find_first_of(" .-/"))) + '-' + std::to_string(number) + '-' +
+             std::string(text.substr(behind));
+  return std::string(text);
+}
+
+/// Days since 1970 of a date, by the order of day and month that the log has.
+std::int64_t LogClock::days(const CalendarDate& date) {
+  const bool open = !month_first_ && last_date_ && last_date_->exchanged;
+  if (open) {
+    const std::int64_t pause = date.days - last_date_->days;
+    const std::int64_t other = date.exchanged.value_or(date.days) - *last_date_->exchanged;
+    month_first_ = other >= 0 && (pause < 0 || other < pause);
+  }
+  month_first_ = month_first_ || date.month_first;
+  if (open && month_first_) shift_ = last_date_->days - *last_date_->exchanged;
+  last_date_ = date;
+  return (month_first_ ? date.exchanged.value_or(date.days) : date.days) + shift_;
+}
 
 std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit, WrittenNumbers& written) {
   if (text.empty()) return std::nullopt;
@@ -188,12 +232,14 @@ std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit,
     return unit.divisor > 1 ? unwrapped(number, unit) : rounded_seconds;
   }
   const bool in_seconds = unit.factor == 1 && unit.divisor == 1;
-  bool dated = true;
+  std::optional<CalendarDate> date;
   auto stamp = decimal      ? exact(text, unit, rounded_seconds)
-               : in_seconds ? calendar_stamp(text, dated)
+               : in_seconds ? calendar_stamp(with_month_number(text), date)
                             : std::nullopt;
   if (!stamp) return std::nullopt;
-  if (!dated) {
+  if (date) {
+    stamp->seconds += 86400 * days(*date);
+  } else if (!decimal) {
     const bool of_hour =
         text.find(':') == text.rfind(':') && text.find_first_of(".,") != std::string_view::npos;
     const std::int64_t period = of_hour ? 3600 : 86400;

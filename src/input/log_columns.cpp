@@ -135,6 +135,10 @@ class ColumnFinder {
     if (!unitless_.empty())
       warnings.push_back(table_.file() + ": columns without a unit are read in SI units: " + unitless_);
     if (!units_.empty()) warnings.push_back(table_.file() + ": units as they are understood: " + units_);
+    if (const std::string clock = log_.has_time() ? "" : likely_time(table_, spec_); !clock.empty())
+      warnings.push_back(table_.file() +
+                         ": no column is called time, and the log is taken for static poses; if " +
+                         quoted(clock) + " is the time: --column " + shell_word("time=" + clock));
     if (!ignored_.empty())
       warnings.push_back(table_.file() + ": columns that the log does not use are ignored: " + ignored_);
     return found_;
@@ -200,7 +204,7 @@ class ColumnFinder {
           throw Error({h.place, "log.columns." + source.signal, "a column is one quantity of the log",
                        quoted(source.column) + ", which is mapped to " + quoted(h.meaning.signal) + ", too",
                        "take out one of the two mappings"});
-        all.push_back(h.text);
+        if (!h.text.empty()) all.push_back(h.text);
       }
       throw Error({table_.header()[0].place, "log.columns." + source.signal, "the log has no such column",
                    quoted(source.column), did_you_mean(source.column, all)});
@@ -247,14 +251,16 @@ class ColumnFinder {
   /// A fault of the columns, and what may be meant by columns of other names.
   /// @param joint  that is not measured
   [[noreturn]] void raise(const Fault& fault, const std::string& joint = "") const {
-    const LogReading proposal = proposed_mapping(table_, spec_);
+    const MappingProposal proposal = proposed_mapping(table_, spec_);
     Fault answered = fault;
-    if (proposal.columns.size() <= spec_.log.columns.size()) {
+    if (proposal.reading.columns.size() <= spec_.log.columns.size()) {
       // What the columns are called is not repeated: the file may be none for qerr.
       if (!joint.empty())
         answered.remedy += "; or say which of its " + std::to_string(table_.header().size()) +
                            " columns that is: --column " + joint + ".counts=COLUMN (qerr help logs)";
-      throw Error(answered);
+      std::vector<Fault> faults{answered};
+      for (const std::string& column : proposal.left_out) faults.push_back({{}, "", "", "", column});
+      throw Error(faults);
     }
     answered.remedy += "; or map its columns, as guessed here by names and values:";
     throw Error({answered, {{}, "", "", "", mapping_text(proposal)}});

@@ -38,7 +38,7 @@ constexpr UnitWords unit_words[]{
     {"mm", " millimeter millimeters millimetre millimetres "},
     {"um", " micron microns micrometer micrometers micrometre micrometres "},
     {"count",
-     " tick ticks pulse pulses cts cnt cnts inc incs increment increments lsb qc inkremente "
+     " tick ticks pulse pulses cts cnt cnts inc incs increment increments lsb qc inkr ink inkremente "
      "inkrement impulse impulsions imp points pts "},
     {"A", " amp amps ampere amperes "},
     {"mA", " milliamp milliamps "},
@@ -47,16 +47,30 @@ constexpr UnitWords unit_words[]{
     {"rpm", " u/min tr/min 1/min r/min rev/min min-1 min^-1 "},
 };
 
-constexpr std::string_view time_names[]{
-    "time",         "timestamp",     "time_stamp", "stamp",        "t",
-    "__time",       "%time",         "datetime",   "date_time",    "zeit",
-    "zeitstempel",  "uhrzeit",       "datum_zeit", "temps",        "heure",
-    "horodatage",   "horodate",      "elapsed",    "elapsed_time", "elapsed time",
-    "rel_time",     "relative_time", "sim_time",   "epoch",        "unix_time",
-    "unixtime",     "local_time",    "systime",    "sys_time",     "robot_time",
-    "seconds",      "secs",          "millis",     "micros",       "milliseconds",
-    "microseconds", "nanoseconds",   "time stamp", "header.stamp", "receive_time",
-    "recv_time",    "log_time",      "x_value"};
+/// Names of the time stamps, in lower case, with one underscore for whatever is between their words.
+constexpr std::string_view time_names =
+    " time timestamp time_stamp stamp t datetime date_time date_and_time zeit zeitstempel zeitpunkt uhrzeit "
+    "datum_zeit datum_uhrzeit datum_und_uhrzeit messzeit laufzeit temps heure date_heure horodatage horodate "
+    "elapsed elapsed_time rel_time relative_time sim_time epoch unix_time unixtime local_time systime "
+    "sys_time "
+    "robot_time seconds secs sekunden secondes millis micros milliseconds microseconds nanoseconds "
+    "header_stamp "
+    "receive_time recv_time log_time x_value ";
+/// Names that mean them where no other column does: `Date` stands beside `Time`, and `ts` may be a step.
+constexpr std::string_view lesser_time_names = " date datum ts uptime duration dauer clock ";
+
+bool is_one_of(std::string_view names, std::string_view name) {
+  std::string words;
+  for (const char c : lower_case(trimmed(name))) {
+    const auto u = static_cast<unsigned char>(c);
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || u >= 0x80)
+      words += c;
+    else if (!words.empty() && words.back() != '_')
+      words += '_';
+  }
+  if (words.ends_with('_')) words.pop_back();
+  return !words.empty() && names.find(' ' + words + ' ') != std::string_view::npos;
+}
 
 /// `time_ms` in `ms`: the unit behind the last underscore. A letter alone is the start of a word more often,
 /// as in `theta_m`, except behind a time.
@@ -142,9 +156,7 @@ ColumnName measured_name(const std::string& cell) {
   return by_underscore(text);
 }
 
-bool is_time_name(std::string_view name) {
-  return std::find(std::begin(time_names), std::end(time_names), lower_case(name)) != std::end(time_names);
-}
+bool is_time_name(std::string_view name) { return is_one_of(time_names, name); }
 
 std::vector<ColumnMeaning> column_meanings(const std::vector<std::string>& header,
                                            const LogReading& reading) {
@@ -170,15 +182,18 @@ std::vector<ColumnMeaning> column_meanings(const std::vector<std::string>& heade
 }
 
 std::optional<std::size_t> time_column(const std::vector<ColumnMeaning>& columns) {
-  std::optional<std::size_t> named, alike;
-  std::size_t similar = 0;
+  std::optional<std::size_t> named, alike, less_alike;
+  std::size_t similar = 0, less_similar = 0;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const ColumnMeaning& c = columns[i];
     if (c.signal == "time" && c.mapped) return i;
     if (c.signal == "time" && !named) named = i;
     if (!c.mapped && is_time_name(c.signal) && similar++ == 0) alike = i;
+    if (!c.mapped && is_one_of(lesser_time_names, c.signal) && less_similar++ == 0) less_alike = i;
   }
-  return named ? named : similar == 1 ? alike : std::nullopt;
+  if (named) return named;
+  if (similar > 0) return similar == 1 ? alike : std::nullopt;
+  return less_similar == 1 ? less_alike : std::nullopt;
 }
 
 std::string program_time_unit(const std::vector<std::string>& header) {

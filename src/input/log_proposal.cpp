@@ -17,7 +17,7 @@ namespace qerr {
 
 namespace {
 
-enum class ColumnRole { none, position, counts, velocity, effort, command, temperature, tip };
+enum class ColumnRole { none, other, position, counts, velocity, effort, command, temperature, tip };
 
 /// Words of headers in English, German and French that say what a column is. The first row that has a word of
 /// the name decides: `target_position` is a command, `motor_current` an effort.
@@ -27,9 +27,10 @@ struct RoleWords {
 };
 constexpr RoleWords role_words[]{
     // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
-    {ColumnRole::none,
+    {ColumnRole::other,
      " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
-     "err i2t ext digital ratio index valid seq quality "},
+     "err i2t ext digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
+     "difference residual fehler erreur "},
     {ColumnRole::command,
      " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
      "consigne d des reference_position "},
@@ -43,14 +44,14 @@ constexpr RoleWords role_words[]{
      "compteur z\u00e4hler zaehler impulsions "},
     {ColumnRole::position,
      " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
-     "encoder enc motor link reference ref truth angulaire deg rad rotation phi feedback data "
+     "encoder enc geber motor link reference ref truth angulaire deg rad rotation phi feedback data "
      "laser "},
 };
 
 /// Of two positions of a joint the one nearer to the load is the reference, or that of a sensor which is no
 /// part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
 constexpr std::string_view motor_words =
-    " motor rotor drive enc encoder codeur input primary theta hall actuator ";
+    " motor rotor drive enc encoder geber codeur input primary theta hall actuator ";
 constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
 constexpr std::string_view sensor_words =
     " ref reference referenz truth true ext extern external laser tracker mocap vicon vrpn optitrack "
@@ -90,6 +91,7 @@ struct GuessedColumn {
   ColumnRole role = ColumnRole::none;
   std::optional<std::size_t> joint;  // of a tip: the coordinate
   int side = 0;                      // > 0: of the load
+  std::string unknown_unit;          // of the header
 
   bool whole() const {
     return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
@@ -161,6 +163,15 @@ class MappingGuess {
     for (const LogSource& source : spec.log.columns) mapping_.push_back(source);
   }
 
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
+  /// The first column that may be the stamps of a log without any.
+  std::string likely_time() const {
+    for (const GuessedColumn& c : columns_)
+      if (!named_joint(c) && is_clock(c)) return text(c) + (c.unit.empty() ? " [s]" : "");
+    return "";
+  }
+
   std::vector<LogSource> mapping() {
     const bool named = std::any_of(columns_.begin(), columns_.end(), [](const GuessedColumn& c) {
       return c.words.empty() || c.words.front() != "column";
@@ -176,15 +187,32 @@ class MappingGuess {
   }
 
  private:
-  const std::string& text(const GuessedColumn& c) const { return table_.header()[c.index].text; }
+  /// The header of a column; its number where the header is in another encoding, and cannot be pasted.
+  std::string text(const GuessedColumn& c) const {
+    const std::string& header = table_.header()[c.index].text;
+    for (std::size_t i = 0; i + 1 < header.size(); ++i) {
+      const auto next = static_cast<unsigned char>(header[i + 1]);
+      if (header[i] == '\xC2' && next >= 0x80 && next < 0xA0) return "column " + std::to_string(c.index + 1);
+    }
+    return header;
+  }
   const IndependentJoint& joint(std::size_t j) const { return spec_.model.chain.independent[j]; }
 
   void add(std::size_t i) {
     const ColumnName parts = measured_name(table_.header()[i].text);
-    GuessedColumn c{i,  parts.name, parts.unit, words_in(parts.name), numbers_of(table_.first_texts(i)),
-                    {}, {},         0};
-    if (c.values.empty()) return;
+    GuessedColumn c{i,  parts.name, parts.unit, words_in(parts.name), numbers_of(table_.first_texts(i)), {},
+                    {}, 0,          {}};
+    if (c.values.empty() || parts.name.empty()) return;
+    find_unknown_unit(c);
     c.role = role_of(c.words);
+    if (const auto j = named_joint(c); c.role == ColumnRole::none && j && c.words == words_in(joint(*j).name))
+      c.role = ColumnRole::position;
+    if (c.role == ColumnRole::other) {
+      columns_.push_back(std::move(c));
+      return;
+    }
+    if (has_dimension(c.unit, dimension::angular_speed)) c.role = ColumnRole::velocity;
+    if (has_dimension(c.unit, dimension::torque)) c.role = ColumnRole::effort;
     if (c.role == ColumnRole::none && c.unit == "count") c.role = ColumnRole::counts;
     if (c.role == ColumnRole::tip && named_joint(c)) c.role = ColumnRole::position;
     const bool angle = has_dimension(c.unit, dimension::angle);
@@ -194,11 +222,57 @@ class MappingGuess {
     columns_.push_back(std::move(c));
   }
 
+  /// What stands in brackets behind the name like a unit, and is none, nor a word of the name.
+  void find_unknown_unit(GuessedColumn& c) const {
+    std::string why;
+    if (!c.unit.empty() && !parse_unit(c.unit, why) && c.unit != "%") c.unknown_unit = c.unit;
+    if (!c.unknown_unit.empty()) c.unit.clear();
+    const std::size_t open = c.name.rfind('(');
+    if (!c.unit.empty() || !c.name.ends_with(')') || open == std::string::npos || open == 0) return;
+    const std::string inside = c.name.substr(open + 1, c.name.size() - open - 2);
+    const std::vector<std::string> words = words_in(inside);
+    constexpr std::size_t longest_unit = 6;
+    const bool of_name = std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+      return is_known_word(w) || (w[0] >= '0' && w[0] <= '9');
+    });
+    GuessedColumn alone{0, inside, {}, words, {}, {}, {}, 0, {}};
+    if (of_name || inside.size() > longest_unit || named_joint(alone)) return;
+    c.unknown_unit = inside;
+    c.name.resize(open);
+    c.words = words_in(c.name);
+  }
+
   void add_source(const std::string& signal, const GuessedColumn& c, const std::string& unit) {
-    if (!taken_.insert(signal).second) return;
+    if (taken_.contains(signal)) return;
     used_.insert(c.index);
+    if (const std::string why = obstacle(signal, c, unit); !why.empty()) {
+      left_out_.push_back(quoted(text(c)) + ", perhaps " + signal + ": " + why);
+      return;
+    }
+    taken_.insert(signal);
     // A unit that the header has, as it is understood, is not repeated.
-    mapping_.push_back({signal, text(c), unit == c.unit ? "" : unit});
+    mapping_.push_back({signal, text(c), unit == measured_name(text(c)).unit ? "" : unit});
+  }
+
+  /// Why a column cannot be mapped to a signal without a user's word; "" if it can.
+  std::string obstacle(const std::string& signal, const GuessedColumn& c, const std::string& unit) const {
+    if (!c.unknown_unit.empty())
+      return "the unit " + quoted(c.unknown_unit) +
+             " is not known: write what one of it is behind the name, such as [" +
+             (signal == "time" ? "0.1 s" : "0.1 deg") + ']';
+    const bool position = signal.ends_with(".measured") || signal.ends_with(".reference");
+    if (!position || unit.empty()) return "";
+    const auto j = signal_joint(signal);
+    if (has_dimension(unit, j && joint(*j).prismatic() ? dimension::length : dimension::angle)) return "";
+    const std::string whole =
+        unit == "count" ? "in counts" : "the unit " + quoted(unit) + " is none of an angle or length";
+    return whole + ": write what one of it is behind the name, such as [360/4096 deg]";
+  }
+
+  std::optional<std::size_t> signal_joint(const std::string& signal) const {
+    for (std::size_t j = 0; j < spec_.model.chain.independent.size(); ++j)
+      if (signal.starts_with(joint(j).name + '.')) return j;
+    return std::nullopt;
   }
 
   /// The joint whose name a header has; the longest one, as `elbow` is also in `elbow_2`.
@@ -271,23 +345,57 @@ class MappingGuess {
            has_word(sensor_words, word);
   }
 
-  /// Of a table without header: the first column that rises is the time, the others are the joints in order.
+  /// Of a table without header: the first column that rises is the time, the others are the joints in order;
+  /// where cells of a row say the joints' names, as `ros2 topic echo --csv` of a JointState writes them,
+  /// their positions are behind the names.
   void number_joints() {
+    const std::size_t joints = spec_.model.chain.independent.size();
+    std::vector<std::string> header;
+    std::vector<std::optional<std::size_t>> names;
+    std::size_t behind_names = 0;
+    for (std::size_t i = 0; i < table_.header().size(); ++i) {
+      header.push_back(table_.header()[i].text);
+      const std::vector<std::string> texts = table_.first_texts(i);
+      const auto j = texts.empty() ? std::nullopt : joint_called(texts[0]);
+      if (!j && (names.empty() || behind_names != i)) continue;
+      if (!j && (texts.empty() || parse_number(texts[0]))) continue;
+      names.push_back(j);
+      behind_names = i + 1;
+    }
     std::size_t next = 0;
+    std::optional<std::size_t> nanoseconds;
     for (GuessedColumn& c : columns_) {
       const bool rises =
           std::is_sorted(c.values.begin(), c.values.end()) && c.values.front() < c.values.back();
       if (next == 0 && rises && !taken_.contains("time")) {
-        add_source("time", c, time_unit_of(c));
+        nanoseconds = nanoseconds_behind(header, c.index, table_.first_texts(c.index));
+        add_source("time", c, nanoseconds ? "s" : time_unit_of(c));
         continue;
       }
-      c.role = ColumnRole::position;
-      c.joint = next++ % spec_.model.chain.independent.size();
+      if (c.index == nanoseconds) continue;
+      if (names.empty()) {
+        c.role = ColumnRole::position;
+        c.joint = next++ % joints;
+      } else if (c.index >= behind_names) {
+        constexpr ColumnRole roles[] = {ColumnRole::position, ColumnRole::velocity, ColumnRole::effort};
+        const std::size_t block = (c.index - behind_names) / names.size();
+        if (block > 2) continue;
+        c.joint = names[(c.index - behind_names) % names.size()];
+        c.role = roles[block];
+        c.unit = block == 0 ? "rad" : block == 1 ? "rad/s" : "N m";  // REP 103
+        ++next;
+      }
     }
   }
 
+  std::optional<std::size_t> joint_called(const std::string& name) const {
+    for (std::size_t j = 0; j < spec_.model.chain.independent.size(); ++j)
+      if (joint(j).name == name) return j;
+    return std::nullopt;
+  }
+
   std::string time_unit_of(const GuessedColumn& c) const {
-    if (!c.unit.empty()) return c.unit;
+    if (has_dimension(c.unit, dimension::time)) return c.unit;
     if (const std::string epoch = epoch_unit(c.values.front()); !epoch.empty()) return epoch;
     std::vector<std::string> header;
     for (const LogHeader& h : table_.header()) header.push_back(h.text);
@@ -302,8 +410,11 @@ class MappingGuess {
     for (const GuessedColumn& c : columns_) {
       const bool named = is_time_name(c.name);
       const bool partly = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
-        return has_word(" time timestamp stamp zeit temps sec seconds secs millis micros t duration elapsed ",
-                        w);
+        return has_word(
+            " time timestamp stamp zeit temps sec seconds secs millis micros t duration elapsed datum date "
+            "uhrzeit ts "
+            "uptime ",
+            w);
       });
       if ((!named && !partly) || c.joint || !std::is_sorted(c.values.begin(), c.values.end())) continue;
       if (c.values.size() > 1 && c.values.front() == c.values.back()) continue;
@@ -315,7 +426,7 @@ class MappingGuess {
 
   /// Whether a column without a word for it rises in equal steps, which are no row numbers.
   static bool is_clock(const GuessedColumn& c) {
-    if (c.values.size() < 3 || c.joint) return false;
+    if (c.values.size() < 3 || c.role != ColumnRole::none) return false;
     const double step = c.values[1] - c.values[0];
     for (std::size_t i = 1; i < c.values.size(); ++i)
       if (std::abs(c.values[i] - c.values[i - 1] - step) > 1e-3 * step) return false;
@@ -329,6 +440,7 @@ class MappingGuess {
       if (c.joint != j || used_.contains(c.index)) continue;
       if (c.role == ColumnRole::position || c.role == ColumnRole::counts) positions.push_back(&c);
     }
+    if (const auto like = lone_follower(positions)) positions.push_back(*like);
     // From the motor to the load; of two alike the coarser one is that of the encoder.
     std::stable_sort(positions.begin(), positions.end(), [](const auto* a, const auto* b) {
       const int x = a->side - (a->role == ColumnRole::counts), y = b->side - (b->role == ColumnRole::counts);
@@ -337,13 +449,13 @@ class MappingGuess {
     const std::string& name = joint(j).name;
     const bool known = taken_.contains(name + ".counts") || taken_.contains(name + ".measured");
     std::size_t next = 0;
-    if (!known && !positions.empty()) take_measured(name, j, *positions[next++]);
+    // The only column of a sensor beside the robot is no reading of its encoder.
+    const bool of_sensor = positions.size() == 1 && positions[0]->side > 1;
+    if (!known && !positions.empty() && !of_sensor) take_measured(name, j, *positions[next++]);
     if (next < positions.size() && !taken_.contains(name + ".reference"))
       add_source(name + ".reference", *positions.back(), position_unit(*positions.back(), j));
     if (known || !positions.empty()) take_others(name, j);
-    if (const auto like = lone_follower(positions); like && !taken_.contains(name + ".reference"))
-      add_source(name + ".reference", **like, position_unit(**like, j));
-    return known || !positions.empty();
+    return taken_.contains(name + ".counts") || taken_.contains(name + ".measured");
   }
 
   /// The only other column whose values follow the position of a joint that has one, whatever it is called.
@@ -353,7 +465,8 @@ class MappingGuess {
     if (positions.size() != 1 || positions[0]->smallest_step() == 0) return std::nullopt;
     std::optional<const GuessedColumn*> found;
     for (const GuessedColumn& c : columns_) {
-      if (used_.contains(c.index) || (c.role != ColumnRole::none && c.role != ColumnRole::position)) continue;
+      if (&c == positions[0] || used_.contains(c.index)) continue;
+      if (c.role != ColumnRole::none && c.role != ColumnRole::position) continue;
       if (std::abs(correlation_of(positions[0]->values, c.values)) < follows) continue;
       if (found) return std::nullopt;
       found = &c;
@@ -370,11 +483,14 @@ class MappingGuess {
   /// The unit of a position: that of the header, else by its values: whole numbers are counts, angles beyond
   /// the joint's limits in rad are degrees, lengths beyond 10 m millimetres.
   std::string position_unit(const GuessedColumn& c, std::size_t j) const {
+    if (!joint(j).prismatic() && (c.unit == "min" || c.unit == "s"))
+      return "arc" + (c.unit == "s" ? "sec" : c.unit);
     if (!c.unit.empty()) return c.unit;
+    if (c.role == ColumnRole::counts) return "count";
     const double most = c.largest();
     constexpr double fewest_counts = 20;
     const bool counts = c.whole() && most >= fewest_counts;
-    if (counts && (c.role == ColumnRole::counts || c.smallest_step() > 0)) return "count";
+    if (counts && c.smallest_step() > 0) return "count";
     if (joint(j).prismatic()) return most > 10 ? "mm" : "m";
     if (is_moteus()) return "rev";
     const auto& limits = joint(j).limits;
@@ -487,13 +603,20 @@ class MappingGuess {
   std::set<std::string> taken_;
   std::set<std::size_t> used_;
   std::vector<LogSource> mapping_;
+  std::vector<std::string> left_out_;
 };
 
 }  // namespace
 
-LogReading proposed_mapping(const LogTable& table, const Spec& spec) {
-  LogReading reading{spec.log.missing, MappingGuess(table, spec).mapping()};
-  if (reading.missing != MissingValues::error) return reading;
+std::string likely_time(const LogTable& table, const Spec& spec) {
+  return MappingGuess(table, spec).likely_time();
+}
+
+MappingProposal proposed_mapping(const LogTable& table, const Spec& spec) {
+  MappingGuess guess(table, spec);
+  MappingProposal proposal{{spec.log.missing, guess.mapping()}, guess.left_out()};
+  LogReading& reading = proposal.reading;
+  if (reading.missing != MissingValues::error) return proposal;
   // Rows with a gap are left out, unless every row has one.
   std::vector<bool> gaps;
   for (std::size_t i = 0; i < table.header().size(); ++i) {
@@ -508,10 +631,11 @@ LogReading proposed_mapping(const LogTable& table, const Spec& spec) {
   if (holes > 0)
     reading.missing =
         holes < static_cast<std::ptrdiff_t>(gaps.size()) ? MissingValues::drop : MissingValues::hold;
-  return reading;
+  return proposal;
 }
 
-std::string mapping_text(const LogReading& reading) {
+std::string mapping_text(const MappingProposal& proposal) {
+  const LogReading& reading = proposal.reading;
   const auto value = [](const LogSource& s) {
     const std::string column = flow_scalar(s.column, false);
     return s.unit.empty() ? column : "{column: " + column + ", unit: " + s.unit + '}';
@@ -531,6 +655,7 @@ std::string mapping_text(const LogReading& reading) {
     section += "  missing: " + missing + '\n';
     options += " \\\n  --set log.missing=" + missing;
   }
+  for (const std::string& column : proposal.left_out) section += "  # not mapped: " + column + '\n';
   section.pop_back();
   return "for one run:\n" + options + "\nin the spec:\n" + section;
 }

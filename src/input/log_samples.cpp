@@ -20,15 +20,24 @@ std::vector<std::string> format_warnings(const CsvReader& table, const std::stri
 }
 
 StampReader::StampReader(const CsvReader& table, std::size_t column, std::size_t text,
-                         const std::string& unit, LogClock& clock)
+                         const std::string& unit, LogClock& clock, bool nanoseconds)
     : table_(table),
       column_(column),
       text_(text),
+      nanoseconds_(nanoseconds),
       clock_(clock),
       unit_(time_unit(unit, table.header()[column], table.header_place(column))) {}
 
 double StampReader::operator()() {
   const std::string_view text = table_.chosen_text(text_);
+  if (nanoseconds_) {
+    const auto whole = parse_number(text), part = parse_number(table_.chosen_text(text_ + 1));
+    if (whole && part && *whole == std::floor(*whole) && *part == std::floor(*part) && *part >= 0 &&
+        *part < 1e9 && std::abs(*whole) < 0x1p53)
+      return clock_.seconds(
+          TimeStamp{static_cast<std::int64_t>(*whole), static_cast<std::int64_t>(*part) * 1000000000});
+    refuse("not whole seconds with nanoseconds behind them", "");
+  }
   if (const auto seconds = clock_.seconds(text, unit_, written_)) return *seconds;
   std::string plain(text);
   if (make_decimal_notation(plain) || remove_thousands(plain)) {
@@ -89,6 +98,93 @@ std::vector<std::string> first_cells(const CsvReader& table, std::size_t column,
   return cells;
 }
 
+namespace {
+
+/// Whether stamps without a unit are Excel's dates: days since 1900, which pass slower than any clock in
+/// seconds ticks.
+bool are_serial_days(const std::vector<double>& stamps, const std::string& header) {
+  constexpr double since_1970 = 25569, until_2100 = 73051;
+  constexpr double fastest = 50e-6;  // [s] 20 kHz: smaller steps are none of seconds
+  if (stamps.front() < since_1970 || stamps.back() > until_2100) return false;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps.size(); ++i)
+    if (stamps[i] != stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
+  const bool date = header.starts_with("Dat") || header.starts_with("dat");
+  return steps.size() > 1 && median(steps) > 0 && median(steps) < (date ? 1 : fastest);
+}
+
+/// Whether the first cells of a column are stamps: each is one, they do not fall, and they change.
+/// @param calendar  only dates and times of day count
+bool are_stamps(const std::vector<std::string>& cells, bool calendar) {
+  LogClock clock;
+  WrittenNumbers written;
+  std::optional<double> first, last;
+  for (std::string text : cells) {
+    if (text.empty() || (calendar && text.find(':') == std::string::npos)) return false;
+    make_plain_number(text);
+    auto seconds = parse_number(text);
+    if (!seconds) seconds = clock.seconds(text, Unit{}, written);
+    if (!seconds || (last && *seconds < *last)) return false;
+    if (!first) first = seconds;
+    last = seconds;
+  }
+  return last && *last > *first;
+}
+
+/// Whether the name of a column of seconds has one of nanoseconds behind it.
+bool is_seconds_before(const std::string& seconds, const std::string& nanoseconds) {
+  for (const auto& [s, ns] : {std::pair{"sec", "nanosec"},
+                              {"secs", "nsecs"},
+                              {"sec", "nsec"},
+                              {"secs", "nanosecs"},
+                              {"seconds", "nanoseconds"},
+                              {"tv_sec", "tv_nsec"}}) {
+    if (!seconds.ends_with(s) || !nanoseconds.ends_with(ns)) continue;
+    const auto prefix = [](const std::string& name, const char* end) {
+      return name.substr(0, name.size() - std::string_view(end).size());
+    };
+    if (prefix(seconds, s) == prefix(nanoseconds, ns)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
+                                              const std::vector<std::string>& texts) {
+  if (seconds + 1 >= header.size()) return std::nullopt;
+  if (is_seconds_before(header[seconds], header[seconds + 1])) return seconds + 1;
+  if (header[seconds] != "column 1" || texts.empty()) return std::nullopt;
+  constexpr double since_2001 = 1e9, until_2096 = 4e9;
+  const bool since_1970 = std::all_of(texts.begin(), texts.end(), [](const std::string& text) {
+    const auto stamp = parse_number(text);
+    return stamp && *stamp == std::floor(*stamp) && *stamp > since_2001 && *stamp < until_2096;
+  });
+  return since_1970 ? std::optional(seconds + 1) : std::nullopt;
+}
+
+std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
+                                       const std::vector<ColumnMeaning>& columns,
+                                       const std::function<std::vector<std::string>(std::size_t)>& texts) {
+  const auto named = time_column(columns);
+  if (named && (columns[*named].mapped || columns[*named].signal == "time")) return named;
+  for (std::size_t i = 0; i + 1 < columns.size(); ++i)
+    if (is_seconds_before(header[i], header[i + 1])) return i;
+  if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return is_time_name(c.signal); }))
+    return named;
+  if (named && are_stamps(texts(*named), false)) return named;
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    std::string why;
+    const auto unit = parse_unit(columns[i].unit, why);
+    const bool of_time = unit && unit->dimension == dimension::time;
+    if (columns[i].mapped || !are_stamps(texts(i), !of_time)) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  return found;
+}
+
 std::string recognize_stamps(const std::string& file, const std::vector<std::string>& names,
                              std::size_t column, std::vector<std::string> first_texts,
                              ColumnMeaning& meaning) {
@@ -114,12 +210,14 @@ std::string recognize_stamps(const std::string& file, const std::vector<std::str
     } else if (!stamps.empty()) {
       if (const std::string unit = epoch_unit(stamps.front()); !unit.empty())
         meaning.unit = unit, how = unit + " since 1970, by their size";
+      else if (are_serial_days(stamps, header))
+        meaning.unit = "d", how = "days since 1900, as Excel counts them";
       else if (const std::string program = program_time_unit(names); !program.empty())
         meaning.unit = program, how = program + ", as libfranka writes them";
       else if (const std::string named = unit_in_words(measured_name(header).name); by_name && !named.empty())
         meaning.unit = named;
-      else if (const std::string step = by_name ? unit_of_steps(stamps) : ""; !step.empty())
-        meaning.unit = step, how = step + ", by their steps";
+      else if (const std::string step = unit_of_steps(stamps); !step.empty())
+        meaning.unit = step, how = step + ", by their steps: write [s] behind the name if they are seconds";
     }
   }
   meaning.signal = "time";
@@ -135,20 +233,31 @@ class WideSamples : public LogSamples {
   WideSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
       : table_(std::move(table)), clock_(clock), empty_stamps_(reading.missing == MissingValues::drop) {
     std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
-    time_ = time_column(meanings);
-    if (time_)
-      stamps_ = recognize_stamps(table_->file(), table_->header(), *time_,
-                                 first_cells(*table_, *time_, sampled_stamps), meanings[*time_]);
+    const auto texts = [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); };
+    time_ = find_stamps(table_->header(), meanings, texts);
+    if (time_) {
+      nanoseconds_ = nanoseconds_behind(table_->header(), *time_, texts(*time_));
+      if (nanoseconds_) meanings[*time_].unit = "s";
+      stamps_ = recognize_stamps(table_->file(), table_->header(), *time_, texts(*time_), meanings[*time_]);
+      if (nanoseconds_)
+        stamps_ += (stamps_.empty() ? table_->file() + ": the time stamps are seconds" : std::string()) +
+                   " and nanoseconds of '" + table_->header()[*nanoseconds_] + "'";
+    }
     for (std::size_t i = 0; i < table_->header().size(); ++i)
       signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
+    if (nanoseconds_) signals_[*nanoseconds_].text.clear();  // a part of the stamps, no signal
   }
 
   const std::vector<LogHeader>& signals() const override { return signals_; }
   std::optional<std::size_t> time() const override { return time_; }
 
   void choose(const std::vector<std::size_t>& signals) override {
-    if (time_) stamp_.emplace(*table_, *time_, 0, signals_[*time_].meaning.unit, clock_);
-    table_->choose(signals, time_ ? std::vector{*time_} : std::vector<std::size_t>{});
+    std::vector<std::size_t> texts;
+    if (time_) texts.push_back(*time_);
+    if (nanoseconds_) texts.push_back(*nanoseconds_);
+    if (time_)
+      stamp_.emplace(*table_, *time_, 0, signals_[*time_].meaning.unit, clock_, nanoseconds_.has_value());
+    table_->choose(signals, texts);
   }
 
   bool next(double& time, double* values) override {
@@ -184,7 +293,7 @@ class WideSamples : public LogSamples {
   LogClock& clock_;
   std::string stamps_;  // what was recognized of them
   bool empty_stamps_;
-  std::optional<std::size_t> time_;
+  std::optional<std::size_t> time_, nanoseconds_;
   std::vector<LogHeader> signals_;
   std::optional<StampReader> stamp_;
   std::optional<double> last_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -87,6 +88,19 @@ std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, const LogR
 
 inline constexpr std::size_t sampled_stamps = 20;  // say their unit
 
+/// The column of the time stamps: by its name, if the name may mean something else by its values, too; else
+/// the only one of dates, times of day, or in a unit of time. Empty if there is none, or several may be it.
+/// @param header  of the file
+/// @param texts  the first cells of a column
+std::optional<std::size_t> find_stamps(
+    const std::vector<std::string>& header, const std::vector<ColumnMeaning>&,
+    const std::function<std::vector<std::string>(std::size_t column)>& texts);
+
+/// The column of nanoseconds behind one of whole seconds: `header.stamp.sec` and `header.stamp.nanosec`; in a
+/// table without header behind seconds since 1970.
+std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
+                                              const std::vector<std::string>& texts);
+
 /// What the first of a file's time stamps say: completes the unit of their column, where neither header nor
 /// mapping gives it.
 /// @returns what was recognized, for a warning; "" if nothing was
@@ -108,8 +122,9 @@ class StampReader {
  public:
   /// @param column  of the time stamps; the i-th of the texts that the table reads
   /// @param unit  "" for seconds
+  /// @param nanoseconds  whether the text behind it has those of the stamp, which are whole seconds
   StampReader(const CsvReader& table, std::size_t column, std::size_t text, const std::string& unit,
-              LogClock& clock);
+              LogClock& clock, bool nanoseconds = false);
 
   /// The stamp of the last row [s]. @throws Error (input) if it is none
   double operator()();
@@ -123,6 +138,7 @@ class StampReader {
 
   const CsvReader& table_;
   std::size_t column_, text_;
+  bool nanoseconds_;
   LogClock& clock_;
   Unit unit_;
   WrittenNumbers written_;

@@ -117,7 +117,8 @@ class LongSamples : public LogSamples {
     std::string others;
     bool found[4] = {};
     std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
-    const auto time = time_column(meanings);
+    const auto time = find_stamps(table_->header(), meanings,
+                                  [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); });
     for (std::size_t i = 0; i < table_->header().size(); ++i) {
       ColumnName cell = column_name(table_->header()[i]);
       if (i == time) cell.name = names[time_text];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/text.hpp"
+#include "input/log_clock.hpp"
 #include "input/log_names.hpp"
 #include "qerr/core/quantity.hpp"
 
@@ -77,12 +78,13 @@ std::vector<std::string_view> cells_by(std::string_view line, char separator) {
   }
 }
 
-/// `2026-05-01T12:00:00.5Z`, `26.11.2026 17:16:42,123`, `17:16:42`.
-bool is_stamp(std::string_view text) {
+/// `2026-05-01T12:00:00.5Z`, `26.11.2026 17:16:42,123`, `14-Mar-2026 17:16:42`, `17:16:42`.
+bool is_stamp(std::string_view written) {
+  if (!is_decimal_digit(written.front())) return false;
+  const std::string text = with_month_number(written);
   const auto marks = std::count_if(text.begin(), text.end(),
                                    [](char c) { return c == ':' || c == '-' || c == '/' || c == '.'; });
-  return marks >= 2 && is_decimal_digit(text.front()) && text.size() <= 40 &&
-         std::all_of(text.begin(), text.end(), [](char c) {
+  return marks >= 2 && text.size() <= 40 && std::all_of(text.begin(), text.end(), [](char c) {
            return is_decimal_digit(c) ||
                   std::string_view(":-/. ,+TZtzAPMapm").find(c) != std::string_view::npos;
          });

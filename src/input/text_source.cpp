@@ -45,6 +45,17 @@ bool is_utf8(std::string_view bytes) {
   return true;
 }
 
+/// Where UTF-16 without a mark has the zeros of its ASCII: 1 in the second bytes, -1 in the first, 0 nowhere.
+int zeros_of_utf16(std::string_view bytes) {
+  const std::size_t pairs = std::min<std::size_t>(bytes.size() / 2, 64);
+  std::size_t first = 0, second = 0;
+  for (std::size_t i = 0; i < pairs; ++i) first += bytes[2 * i] == '\0', second += bytes[2 * i + 1] == '\0';
+  const auto most = [&](std::size_t zeros, std::size_t others) {
+    return 10 * zeros > 9 * pairs && others == 0;
+  };
+  return most(second, first) ? 1 : most(first, second) ? -1 : 0;
+}
+
 struct BinaryFormat {
   std::string_view magic, remedy;
 };
@@ -131,6 +142,8 @@ void TextSource::recognize_encoding() {
   if (little || big) {
     encoding_ = little ? Encoding::utf16_little : Encoding::utf16_big;
     at_ = 2;
+  } else if (const int zeros = zeros_of_utf16(bytes_); zeros != 0) {
+    encoding_ = zeros > 0 ? Encoding::utf16_little : Encoding::utf16_big;
   } else if (!is_utf8(bytes_) && bytes_.find('\0') == std::string::npos) {
     encoding_ = Encoding::windows_1252;
   }

@@ -8,7 +8,8 @@
 
 // Ratios of motor to joint that a URDF states. ROS writes <transmission> with <mechanicalReduction> in its
 // <actuator>, its <joint> or itself; ros2_control writes <mechanical_reduction> in the <joint> of a
-// <transmission>, or <param name="mechanical_reduction"> in a <joint>.
+// <transmission>, or <param name="mechanical_reduction"> in a <joint>; Drake <drake:gear_ratio value="..."/>
+// in the <actuator>.
 namespace qerr {
 
 namespace {
@@ -16,6 +17,7 @@ namespace {
 bool is_ratio(const UrdfElement& element) {
   const UrdfAttribute* name = element.attribute("name");
   return element.name == "mechanicalReduction" || element.name == "mechanical_reduction" ||
+         element.name == "drake:gear_ratio" ||
          (element.name == "param" && name && name->value == "mechanical_reduction");
 }
 
@@ -27,7 +29,8 @@ const UrdfElement* ratio_in(const UrdfElement& element) {
 
 /// The number of a reduction; empty if it is none, or 0.
 std::optional<double> number_of(const UrdfElement& ratio) {
-  const auto value = parse_number(trimmed(ratio.text));
+  const UrdfAttribute* of_drake = ratio.name == "drake:gear_ratio" ? ratio.attribute("value") : nullptr;
+  const auto value = parse_number(trimmed(of_drake ? of_drake->value : ratio.text));
   return value && *value != 0 ? value : std::nullopt;
 }
 
@@ -96,6 +99,7 @@ void UrdfReader::read_ratios(const UrdfElement& root) {
   Reductions stated;
   for (const UrdfElement& child : root.children) {
     if (child.name == "transmission") read_transmission(child, false, stated);
+    if (child.name == "gazebo") warn_of_transmissions_inside(child);
     if (child.name != "ros2_control") continue;
     for (const UrdfElement& inner : child.children) {
       if (inner.name == "transmission") read_transmission(inner, true, stated);
@@ -106,7 +110,40 @@ void UrdfReader::read_ratios(const UrdfElement& root) {
   for (WrittenJoint& w : written)
     if (const auto found = stated.find(w.joint.name); found != stated.end())
       settle_ratio(w.joint, found->second);
+  warn_of_unused_ratios(stated);
   flaws_.concern_document();
+}
+
+/// Joints whose own encoder no figure has: that follow another, or that two motors move together.
+void UrdfReader::warn_of_unused_ratios(const Reductions& stated) {
+  for (const WrittenJoint& w : written) {
+    const auto found = stated.find(w.joint.name);
+    if (found == stated.end() || is_placeholder(w.joint.stated_ratio.value_or(1))) continue;
+    const auto coupling =
+        std::find_if(model.couplings.begin(), model.couplings.end(), [&](const StatedCoupling& c) {
+          return std::find(c.joints.begin(), c.joints.end(), w.joint.name) != c.joints.end();
+        });
+    if (!w.joint.mimic && coupling == model.couplings.end()) continue;
+    flaws_.concern_joint(w.joint.name);
+    flaws_.warn(*found->second.front(), "joint " + qerr::quoted(w.joint.name),
+                "the mechanical reduction is not used: the joint " +
+                    (w.joint.mimic ? "follows " + qerr::quoted(w.joint.mimic->joint)
+                                   : "is moved by " + qerr::quoted(coupling->transmission) + ", too"),
+                shortest(*w.joint.stated_ratio),
+                w.joint.mimic ? "state the gear_ratio of " + qerr::quoted(w.joint.mimic->joint) +
+                                    " if its encoder is there"
+                              : "state gear_ratio and coupling in the spec");
+  }
+}
+
+/// Neither ROS nor a simulator reads a transmission there.
+void UrdfReader::warn_of_transmissions_inside(const UrdfElement& gazebo) {
+  for (const UrdfElement& child : gazebo.children) {
+    if (child.name != "transmission") continue;
+    flaws_.concern_document();
+    flaws_.warn(child, child.title(), "a transmission inside of <gazebo> is not read", "",
+                "write it in <robot> itself, or state gear_ratio in the spec");
+  }
 }
 
 void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reductions& stated) {
@@ -146,18 +183,18 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
     }
     for (const UrdfElement* owner : owners)
       if (!ratio && owner->attribute("mechanicalReduction"))
-        flaws_.warn(*owner, "joint " + quoted(name), "ROS reads mechanicalReduction as an element only",
+        flaws_.warn(*owner, "joint " + qerr::quoted(name), "ROS reads mechanicalReduction as an element only",
                     "an attribute", "write <mechanicalReduction>...</mechanicalReduction> in it");
     if (ratio && !type.empty() && !type.ends_with("SimpleTransmission"))
       flaws_.warn(element, element.title(),
-                  "the equations of this " + type + " of " + quoted(name) + " are not known", "",
+                  "the equations of this " + type + " of " + qerr::quoted(name) + " are not known", "",
                   "its reduction is taken for the ratio of motor to joint: state gear_ratio in the spec");
     return;
   }
   const std::string obstacle = read_coupling(type, element);
   if (obstacle.empty()) return;
   std::string names;
-  for (const std::string& name : moved) names += (names.empty() ? "" : ", ") + quoted(name);
+  for (const std::string& name : moved) names += (names.empty() ? "" : ", ") + qerr::quoted(name);
   flaws_.warn(
       element, element.title(),
       (type.empty() ? "a transmission" : "this " + type) + " of " + names + " is not read: " + obstacle, "",
@@ -174,9 +211,10 @@ void UrdfReader::warn_of_foreign_joint(const UrdfElement& transmission,
       });
   if (!has_ratio || joints.empty() || joint_index_.contains(word_of(*joints[0], "name"))) return;
   flaws_.concern_document();
-  flaws_.warn(transmission, transmission.title(),
-              "the robot has no joint " + quoted(word_of(*joints[0], "name")) + ": its reduction is not used",
-              "", "correct the name of the joint, or state gear_ratio in the spec");
+  flaws_.warn(
+      transmission, transmission.title(),
+      "the robot has no joint " + qerr::quoted(word_of(*joints[0], "name")) + ": its reduction is not used",
+      "", "correct the name of the joint, or state gear_ratio in the spec");
 }
 
 /// The reduction of the first owner that has a figure. Several figures are told.
@@ -192,10 +230,10 @@ const UrdfElement* UrdfReader::only_reduction(const std::vector<const UrdfElemen
       chosen = ratio;
       owner = candidate;
     } else if (!is_placeholder(value) && value != before) {
-      flaws_.warn(
-          *ratio, "joint " + quoted(joint), "the transmission states two mechanical reductions",
-          quoted(std::string(trimmed(chosen->text))) + " and " + quoted(std::string(trimmed(ratio->text))),
-          "that of the <" + owner->name + "> is used, as ROS uses it");
+      flaws_.warn(*ratio, "joint " + qerr::quoted(joint), "the transmission states two mechanical reductions",
+                  qerr::quoted(std::string(trimmed(chosen->text))) + " and " +
+                      qerr::quoted(std::string(trimmed(ratio->text))),
+                  "that of the <" + owner->name + "> is used, as ROS uses it");
     }
   }
   return chosen;
@@ -216,6 +254,12 @@ std::string UrdfReader::read_coupling(const std::string& type, const UrdfElement
     reductions[i] = *joint;
     stated.ratios[i] = *motor;
   }
+  const auto has_role = [](const UrdfElement* e) { return !word_of(*e, "role").empty(); };
+  if (!std::all_of(joints.begin(), joints.end(), has_role) ||
+      !std::all_of(actuators.begin(), actuators.end(), has_role))
+    flaws_.warn(transmission, transmission.title(),
+                "no <role> says which joint and which actuator is the first: taken in their order", "",
+                "ROS requires joint1, joint2, actuator1 and actuator2");
   stated.coupling = *coupling_of(type, reductions[0], reductions[1]);
   std::string obstacle = obstacle_to_coupling(stated);
   if (obstacle.empty()) model.couplings.push_back(std::move(stated));
@@ -227,14 +271,14 @@ std::string UrdfReader::obstacle_to_coupling(const StatedCoupling& stated) const
   if (stated.joints[0] == stated.joints[1]) return "its joints are one";
   for (const std::string& name : stated.joints) {
     const auto found = joint_index_.find(name);
-    if (found == joint_index_.end()) return "the robot has no joint " + quoted(name);
+    if (found == joint_index_.end()) return "the robot has no joint " + qerr::quoted(name);
     const Joint& joint = written[found->second].joint;
     if (joint.mimic || !has_one_coordinate(joint.type))
-      return quoted(name) + " is a " + (joint.mimic ? "mimic" : std::string(joint_type_name(joint.type))) +
-             " joint";
+      return qerr::quoted(name) + " is a " +
+             (joint.mimic ? "mimic" : std::string(joint_type_name(joint.type))) + " joint";
     for (const StatedCoupling& other : model.couplings)
       if (std::find(other.joints.begin(), other.joints.end(), name) != other.joints.end())
-        return quoted(name) + " is in " + quoted(other.transmission) + ", too";
+        return qerr::quoted(name) + " is in " + qerr::quoted(other.transmission) + ", too";
   }
   return "";
 }
@@ -248,7 +292,7 @@ void UrdfReader::settle_ratio(Joint& joint, const std::vector<const UrdfElement*
     const auto value = number_of(*element);
     if (!value) {
       flaws_.warn(*element, key, "the mechanical reduction must be a number other than 0",
-                  quoted(std::string(trimmed(element->text))), "it is ignored");
+                  qerr::quoted(std::string(trimmed(element->text))), "it is ignored");
     } else if (is_placeholder(*value)) {
       placeholder = value;
     } else if (ratio.value_or(*value) != *value) {

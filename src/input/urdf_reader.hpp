@@ -71,6 +71,8 @@ class UrdfReader {
   void read_mimic(const UrdfElement& element, Joint& joint);
   using Reductions = std::map<std::string, std::vector<const UrdfElement*>>;  ///< by joint
   void read_ratios(const UrdfElement& root);
+  void warn_of_transmissions_inside(const UrdfElement& gazebo);
+  void warn_of_unused_ratios(const Reductions& stated);
   void read_transmission(const UrdfElement& element, bool ros2, Reductions& stated);
   const UrdfElement* only_reduction(const std::vector<const UrdfElement*>& owners, const std::string& joint);
   std::string read_coupling(const std::string& type, const UrdfElement& transmission);

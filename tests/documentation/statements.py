@@ -425,7 +425,7 @@ NAMES = {
                      r"\ba joint `a1`", r"/joint_states/a1/position`", r"`a1\.(?:measured|command|effort|counts):",
                      r"`?(?:actual|target)_q_0`", r"[`']q\[0\]'?`", r"[`']tau_J\[0\]'?`", r"ID1_Present_Position`",
                      r"`actual_TCP_pose_0`", r"`O_T_EE\[12\]`", r"\blz4\b", r"`\.db3`", r"`\.h5`",
-                     r"\| Float64, Float32, Int64, Int32 \|", r"\| Float64MultiArray \| `TOPIC/data/0`", r"`26\.11\.2026 17:16:42,123`", r"`11/26/2026 5:16:42 PM`", r"those since 1970", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
+                     r"\| Float64, Float32, Int64, Int32 \|", r"\| Float64MultiArray \| `TOPIC/data/0`", r"`26\.11\.2026 17:16:42,123`", r"`11/26/2026 5:16:42 PM`", r"those since 1970", r"`\[1\]`", r"`\[0\.1 deg\]`", r"`\[360/4096 deg\]`", r"`ros2 topic", r"column: column 1, unit", r"a1\.measured: column 5`", r"`#DIV/0!`", r"days since 1900", r"`14-Mar-2026 17:16:42`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
                      r"`123\.0`", r"multiples of 1/4, say", r"1/1024 or coarser"],
     PAPER: [
         r"--row 15\b",

@@ -208,16 +208,57 @@ TEST_F(SpecOfAUrdf, WarnsOfARatioThatTheUrdfContradicts) {
   EXPECT_EQ(warning("101", "resolution: 1 mrad"), "");                             // at the joint
 }
 
+TEST_F(SpecOfAUrdf, SaysWhichTransmissionsItDoesNotUse) {
+  const auto warnings = [&](const std::string& more) {
+    std::string all;
+    for (const std::string& w : spec_with(two_joints(limit, limit, more), bits).warnings) all += w + '\n';
+    return all;
+  };
+  const std::string simple =
+      "<transmission name='s'><joint name='bc'/><actuator "
+      "name='p'><mechanicalReduction>30</mechanicalReduction>"
+      "</actuator></transmission>";
+  const std::string roles =
+      "<transmission name='t'><type>transmission_interface/DifferentialTransmission</type>"
+      "<joint name='ab'><role>joint1</role></joint><joint name='bc'><role>joint2</role></joint>"
+      "<actuator name='m'><role>actuator1</role><mechanicalReduction>50</mechanicalReduction></actuator>"
+      "<actuator name='n'><role>actuator2</role><mechanicalReduction>40</mechanicalReduction></actuator>"
+      "</transmission>";
+  EXPECT_EQ(warnings(roles).find("role"), std::string::npos) << warnings(roles);
+  EXPECT_NE(warnings(roles + simple)
+                .find("joint 'bc': the mechanical reduction is not used: the joint is moved by 't'"),
+            std::string::npos)
+      << warnings(roles + simple);
+  std::string none = roles;
+  for (const char* role : {"<role>joint1</role>", "<role>actuator2</role>"}) {
+    const std::size_t at = none.find(role);
+    none.erase(at, std::string(role).size());
+  }
+  EXPECT_NE(warnings(none).find("taken in their order"), std::string::npos) << warnings(none);
+  EXPECT_NE(warnings("<gazebo>" + simple + "</gazebo>").find("inside of <gazebo>"), std::string::npos);
+  EXPECT_NE(warnings("<link name='d'/><joint name='cd' type='revolute'><parent link='c'/><child link='d'/>" +
+                     limit +
+                     "<axis xyz='0 0 1'/><mimic joint='ab'/></joint><transmission name='s'><joint name='cd'/>"
+                     "<mechanicalReduction>30</mechanicalReduction></transmission>")
+                .find("the joint follows 'ab'"),
+            std::string::npos);
+  const std::string drake =
+      "<transmission name='s'><joint name='bc'/><actuator name='p'><drake:gear_ratio value='30'/></actuator>"
+      "</transmission>";
+  EXPECT_NEAR(spec_of(two_joints(limit, limit, drake)).model.transmission.encoders[1].shaft_ratio, 30, 1e-12);
+}
+
 TEST_F(SpecOfAUrdf, WarnsOfACouplingThatTheUrdfContradicts) {
-  const auto part = [](const std::string& tag, const std::string& name, const std::string& ratio) {
-    return "<" + tag + " name='" + name + "'><mechanicalReduction>" + ratio + "</mechanicalReduction></" +
-           tag + ">";
+  const auto part = [](const std::string& tag, const std::string& name, const std::string& role,
+                       const std::string& ratio) {
+    return "<" + tag + " name='" + name + "'><role>" + tag + role + "</role><mechanicalReduction>" + ratio +
+           "</mechanicalReduction></" + tag + ">";
   };
   const std::string urdf =
       two_joints(limit, limit,
                  "<transmission name='t'><type>transmission_interface/DifferentialTransmission</type>" +
-                     part("joint", "ab", "1") + part("joint", "bc", "2") + part("actuator", "m", "50") +
-                     part("actuator", "n", "40") + "</transmission>");
+                     part("joint", "ab", "1", "1") + part("joint", "bc", "2", "2") +
+                     part("actuator", "m", "1", "50") + part("actuator", "n", "2", "40") + "</transmission>");
   const auto warning = [&](const std::string& more) {
     const Spec spec = spec_with(urdf, more);
     return spec.warnings.empty() ? "" : spec.warnings.front();

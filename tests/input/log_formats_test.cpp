@@ -132,6 +132,7 @@ TEST_F(LogFormats, LinesOfAnyLayoutAreTheirCells) {
         Laid{"time [s],shoulder.counts,shoulder.reference [rad]\r", "%.2f,%d,%.3f\r", false},
         Laid{"| time [s] | shoulder.counts | shoulder.reference [rad] |\n|---|---:|---|\n",
              "| %.2f | %d | %.3f |\n", false},
+        Laid{"", "00:00:%05.2f -> shoulder.counts:%d,shoulder.reference:%.3f\n", false},
         Laid{"", "[%.2f, %d, %.3f]\n", true}, Laid{"", "00:00:%05.2f -> %d,%.3f\n", true}}) {
     spec = spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}");
     for (const char* column : {"time=column 1", "shoulder.counts=column 2", "shoulder.reference=column 3"})
@@ -213,13 +214,82 @@ TEST_F(LogFormats, StampsOfCalendarsAndEpochsAreSeconds) {
                            {"time", "1700000000123456789", "1700000000123456790", 1e-9},
                            {"stamp", "1700000000.25", "1700000000.75", 0.5},
                            {"timestamp", "5000", "6000", 1e-3},
-                           {"timestamp", "20", "30", 0.01}}) {
+                           {"timestamp", "20", "30", 0.01},
+                           {"time", "8", "16", 0.008},
+                           {"Datum/Uhrzeit", "26.11.2026 17:16:42", "26.11.2026 17:16:43", 1},
+                           {"Messpunkt", "26.11.2026 17:16:42", "26.11.2026 17:16:43", 1},
+                           {"Rel. Time", "0.5", "0.75", 0.25},
+                           {"Sekunden", "0.5", "0.75", 0.25},
+                           {"uptime_ms", "500", "750", 0.25},
+                           {"ts", "0.5", "0.75", 0.25},
+                           {"Time", "14-Mar-2026 17:16:42.25", "14-Mar-2026 17:16:42.50", 0.25},
+                           {"Zeit", "14. M\u00e4rz 2026 17:16:42", "14. M\u00e4rz 2026 17:16:43", 1},
+                           {"time", "09:15:00:250", "09:15:00:500", 0.25},
+                           {"Time", "11/05/2026 11:59:59 PM", "11/06/2026 12:00:00 AM", 1},
+                           {"Time", "05/11/2026 23:59:59", "06/11/2026 00:00:00", 1},
+                           {"Time", "11/12/2026 23:59:59", "11/13/2026 00:00:00", 1},
+                           {"Time", "11/30/2026 23:59:59", "12/01/2026 00:00:00", 1}}) {
     const std::string third = s.second;
     const Log log = read(s.header + ";shoulder.counts\n" + s.first + ";1\n" + s.second + ";2\n");
     const Eigen::ArrayXd time = values(log, LogSignal::time);
     EXPECT_NEAR(time[1] - time[0], s.step, 1e-12) << s.first;
     EXPECT_FALSE(log.warnings.empty()) << s.first << ": is said";
   }
+}
+
+TEST_F(LogFormats, DatesOfExcelAreDays) {
+  std::string text = "Time,shoulder.counts\n";
+  for (int i = 0; i < 20; ++i) {
+    char cell[40];
+    std::snprintf(cell, sizeof cell, "%.10f,%d\n", 46352.3854166667 + 0.01 * i / 86400, i);
+    text += cell;
+  }
+  const Log log = read(text);
+  EXPECT_NEAR(values(log, LogSignal::time)[19] - values(log, LogSignal::time)[0], 0.19, 2e-5);
+  EXPECT_NE(log.warnings[0].find("as Excel counts them"), std::string::npos) << log.warnings[0];
+  EXPECT_EQ(values(read("Time,shoulder.counts\n46352.5,1\n46352.75,2\n46353,2\n"), LogSignal::time)[1],
+            46352.75)
+      << "the time since a controller was switched on";
+}
+
+TEST_F(LogFormats, SecondsAndNanosecondsAreOneStamp) {
+  for (const char* header :
+       {"header.stamp.sec,header.stamp.nanosec", "header_stamp_secs,header_stamp_nsecs", "sec,nanosec"}) {
+    const Log log = read(std::string(header) + ",shoulder.counts\n1700000000,999999999,1\n1700000001,4,2\n");
+    EXPECT_NEAR(values(log, LogSignal::time)[1] - values(log, LogSignal::time)[0], 5e-9, 1e-15) << header;
+    EXPECT_EQ(log.warnings.size(), 1u) << header;
+  }
+  EXPECT_NE(refusal("sec,nanosec,shoulder.counts\n1,2,1\n1.5,4,2\n").find("not whole seconds"),
+            std::string::npos);
+}
+
+TEST_F(LogFormats, ANameThatIsSeldomTheTimeIsItByItsValuesOnly) {
+  const std::string tail = ",shoulder.counts,shoulder.reference [rad]\n";
+  for (const char* rows : {"2,1,0.5\n2,2,1\n2,3,1.5\n", "2,1,0.5\n1,2,1\n3,3,1.5\n"})
+    EXPECT_FALSE(read("duration" + tail + rows).has_time()) << rows;
+  EXPECT_FALSE(read("Date" + tail + "2026-11-26,1,0.5\n2026-11-27,2,1\n").has_time()) << "days alone";
+  EXPECT_TRUE(read("duration" + tail + "1,1,0.5\n1.5,2,1\n").has_time());
+  // Static poses beside a column that may be the time: that is said.
+  const Log log = read("instant" + tail + "0,1,0.5\n0.01,2,1\n0.02,3,1.5\n");
+  EXPECT_NE(log.warnings[0].find("--column 'time=instant [s]'"), std::string::npos) << log.warnings[0];
+}
+
+TEST_F(LogFormats, Utf16WithoutAMarkIsRead) {
+  for (const char* encoding : {"UTF-16LE", "UTF-16BE"}) {
+    Layout l;
+    l.encoding = encoding;
+    EXPECT_EQ(read(table(plain_header, l).substr(2)).rows, static_cast<std::size_t>(rows)) << encoding;
+  }
+}
+
+TEST_F(LogFormats, WordsOfExcelAndUnitsInCellsHaveARemedy) {
+  const std::string head = "time [s],shoulder.counts,shoulder.reference [rad]\n0,1,0.5\n1,2,";
+  for (const char* word : {"#DIV/0!", "#WERT!", "#NV", "#NAME?", "########"})
+    EXPECT_NE(refusal(head + word + "\n2,3,0.75\n").find("--set log.missing=drop"), std::string::npos)
+        << word;
+  for (const char* cell : {"1.5 deg", "1.5deg", "1.5\u00b0"})
+    EXPECT_NE(refusal(head + cell + "\n2,3,0.75\n").find("'shoulder.reference [deg]'"), std::string::npos)
+        << cell;
 }
 
 TEST_F(LogFormats, ClocksThatBeginAgainGoOn) {

@@ -137,7 +137,7 @@ std::vector<Stranger> strangers() {
                                  several(i, ",", load) + ',' + several(i, ",", load) + ',' +
                                  several(i, ",", load);
                         }),
-                 {"time: {column: duration, unit: ms}", "shoulder.measured: {column: 'q[0]', unit: rad}",
+                 {"shoulder.measured: {column: 'q[0]', unit: rad}",
                   "elbow.command: {column: 'q_d[1]', unit: rad}", "elbow.effort: 'tau_J[1]'"}});
   all.push_back(
       {"Dynamixel",
@@ -261,6 +261,83 @@ TEST_F(LogMapping, ProposedForStrangersWorksWhenItIsPasted) {
             << s.source;
       }
   }
+}
+
+/// A log of the shoulder in two columns.
+std::string two_columns(const std::string& first, const std::string& second, double scale) {
+  return log_of("time [s]," + first + ',' + second, [&](int i) {
+    return text_of(0.01 * i) + ',' + text_of(motor(i, 0)) + ',' + text_of(scale * load(i, 0), 9);
+  });
+}
+
+TEST_F(LogMapping, UnitsOfHeadersAreKeptOrAsked) {
+  const double deg = 180 / std::numbers::pi;
+  struct Written {
+    std::string unit;
+    double scale;
+  };
+  for (const Written& w : {Written{"(mdeg)", 1e3 * deg},
+                           {"(0.1 deg)", 10 * deg},
+                           {"[gon]", 10 * deg / 9},
+                           {"(mrev)", 500 / std::numbers::pi},
+                           {"[360/4096 deg]", 4096 / 360. * deg}}) {
+    const std::string text = two_columns("shoulder motor", "shoulder link " + w.unit, w.scale);
+    spec = spec_of("");
+    spec = spec_of(proposed(text));
+    EXPECT_NEAR(values(read(text), LogSignal::reference)[7], load(7, 0), 1e-8) << w.unit;
+  }
+  for (const char* unit : {"(U)", "(V)", "[Ticks7]", "[%]", "[mm]", "[rad/s^2]", "[count]"}) {
+    spec = spec_of("");
+    const std::string text = two_columns("shoulder motor", "shoulder link " + std::string(unit), 100);
+    const std::string section = proposed(text);
+    EXPECT_NE(section.find("# not mapped: 'shoulder link " + std::string(unit)), std::string::npos)
+        << section;
+    EXPECT_EQ(section.find("\n    shoulder.reference:"), std::string::npos) << section;
+    spec = spec_of(section);
+    EXPECT_FALSE(read(text).find(LogSignal::reference, 0)) << unit;
+  }
+  spec = spec_of("");
+  EXPECT_NE(proposed("t,shoulder (V)\n0,1\n0.1,2\n").find("the unit 'V' is not known"), std::string::npos);
+  // A word of the name is no unit.
+  EXPECT_NE(proposed(two_columns("shoulder (motor)", "shoulder (link)", 1)).find("shoulder.reference: "),
+            std::string::npos);
+}
+
+TEST_F(LogMapping, TheSensorIsTheReferenceWhateverTheEncoderIsCalled) {
+  for (const auto& [first, second] :
+       {std::pair{"shoulder", "shoulder_laser"}, {"shoulder", "autocollimator"}}) {
+    spec = spec_of("");
+    const std::string section = proposed(two_columns(first, second, 1));
+    EXPECT_NE(section.find("shoulder.measured: {column: " + std::string(first)), std::string::npos)
+        << section;
+    EXPECT_NE(section.find("shoulder.reference: {column: " + std::string(second)), std::string::npos)
+        << section;
+  }
+  const std::string with_error =
+      log_of("time [s],shoulder motor,shoulder link,shoulder link Abweichung", [](int i) {
+        return text_of(0.01 * i) + ',' + text_of(motor(i, 0)) + ',' + text_of(load(i, 0)) + ',' +
+               text_of(motor(i, 0) - load(i, 0), 9);
+      });
+  EXPECT_NE(proposed(with_error).find("shoulder.reference: {column: shoulder link, unit: rad}"),
+            std::string::npos);
+}
+
+TEST_F(LogMapping, ProposedForATopicThatRos2Prints) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) {
+    text += std::to_string(1700000000 + i / 100) + ',' + std::to_string(10000000 * (i % 100)) +
+            ",base,elbow,shoulder," + text_of(motor(i, 1)) + ',' + text_of(motor(i, 0)) + ',' +
+            text_of(0.1 * i) + ',' + text_of(0.2 * i) + ",3,4\n";
+  }
+  const std::string section = proposed(text);
+  spec = spec_of(section);
+  const Log log = read(text);
+  EXPECT_NEAR(values(log, LogSignal::time)[150] - values(log, LogSignal::time)[0], 1.5, 1e-9) << section;
+  EXPECT_NEAR(values(log, LogSignal::measured, 0)[50], motor(50, 0), 1e-6) << section;
+  EXPECT_NEAR(values(log, LogSignal::measured, 1)[50], motor(50, 1), 1e-6) << section;
+  EXPECT_NEAR(values(log, LogSignal::velocity, 0)[50], 10, 1e-6) << section;
+  EXPECT_EQ(values(log, LogSignal::effort, 1)[50], 3) << section;
+  EXPECT_FALSE(log.find(LogSignal::reference, 0)) << section;
 }
 
 TEST_F(LogMapping, ProposedAsOptionsIsTheSameMapping) {

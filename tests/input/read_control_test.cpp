@@ -312,6 +312,15 @@ TEST_F(ControlSection, FiguresAreRowsOfCsv) {
   EXPECT_NE(csv.find("\r\nwall,,floor,N/m,stiffness,min,"), std::string::npos) << csv;
 }
 
+TEST_F(ControlSection, RowsOfUncountedReadingsAreEmpty) {
+  const std::string coupled = "coupling: [[1, 0], [-1, 1]]\n",
+                    late = "effects: [{type: latency, joint: j2, delay: 1 ms}]\n";
+  const auto csv = [&](const std::string& more) { return write(analyze(controlled(more), {}), "csv"); };
+  EXPECT_EQ(csv(coupled).find("loop,,j2,,gain_margin,min,\r\n"), std::string::npos) << csv(coupled);
+  EXPECT_NE(csv(coupled + late).find("loop,,j2,,gain_margin,min,\r\n"), std::string::npos)
+      << csv(coupled + late);
+}
+
 TEST_F(ControlSection, AGainOfZeroNeedsNoEditAndItsUnstableLoopIsUnbounded) {
   SpecOverrides overrides;
   overrides.values = {{"control.joints.j1.kd", "0"}, {"control.joints.j1.damping", "0"}};

@@ -37,8 +37,8 @@ std::optional<double> parse_number(std::string_view text);
 /// A number or a fraction of two numbers with an optional unit: `50 Hz`, `0.125 mrad`, `1/100`, `5 mm/s`,
 /// `2 rad/s^2`, `3 rad/(N m)`, `12 %`.
 ///
-/// Prefixes n u (or µ) m c k M of m, rad, s, Hz, N; further units are in, deg, arcmin, arcsec, rev, rpm, min,
-/// h, K, degC.
+/// Prefixes n u (or µ) m c k M of m, rad, deg, gon, rev, s, Hz, N; further units are in, arcmin, arcsec, rpm,
+/// min, h, d, K, degC.
 /// @returns empty, with `why` set, if the text is not a number or the unit is unknown
 std::optional<Quantity> parse_quantity(std::string_view text, std::string& why);
 
@@ -73,7 +73,7 @@ struct UnitPrefix {
 std::span<const UnitPrefix> unit_prefixes();
 
 /// Parses a unit, as in the header of a column: `rad`, `mm/s`, `N m`, `1`. The units are those of
-/// parse_quantity.
+/// parse_quantity; a number before it is what one step of the column is: `0.1 deg`, `360/4096 deg`.
 /// @returns empty, with `why` set, if the unit is unknown
 std::optional<Unit> parse_unit(std::string_view text, std::string& why);
 
