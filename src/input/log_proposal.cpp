@@ -7,8 +7,8 @@
 #include <numbers>
 #include <set>
 
-#include "core/statistics.hpp"
 #include "core/text.hpp"
+#include "input/guessed_column.hpp"
 #include "input/log_columns.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/core/quantity.hpp"
@@ -17,135 +17,11 @@ namespace qerr {
 
 namespace {
 
-enum class ColumnRole { none, other, position, counts, velocity, effort, command, temperature, tip };
-
-/// Words of headers in English, German and French that say what a column is. The first row that has a word of
-/// the name decides: `target_position` is a command, `motor_current` an effort.
-struct RoleWords {
-  ColumnRole role;
-  std::string_view words;
-};
-constexpr RoleWords role_words[]{
-    // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
-    {ColumnRole::other,
-     " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
-     "err i2t ext digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
-     "difference residual fehler erreur "},
-    {ColumnRole::command,
-     " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
-     "consigne d des reference_position "},
-    {ColumnRole::velocity, " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse rpm "},
-    {ColumnRole::effort,
-     " mt effort torque tau current moment drehmoment strom couple courant force kraft load_torque "},
-    {ColumnRole::temperature, " temperature temperatures temp temperatur "},
-    {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
-    {ColumnRole::counts,
-     " counts count ticks tick raw pulses increments inkremente impulse cnt cnts cts imp steps encodercounts "
-     "compteur z\u00e4hler zaehler impulsions "},
-    {ColumnRole::position,
-     " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
-     "encoder enc geber motor link reference ref truth angulaire deg rad rotation phi feedback data "
-     "laser "},
-};
-
-/// Of two positions of a joint the one nearer to the load is the reference, or that of a sensor which is no
-/// part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
-constexpr std::string_view motor_words =
-    " motor rotor drive enc encoder geber codeur input primary theta hall actuator ";
-constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
-constexpr std::string_view sensor_words =
-    " ref reference referenz truth true ext extern external laser tracker mocap vicon vrpn optitrack "
-    "qualisys leica "
-    "faro marker "
-    "autocollimator collimator interferometer gauge ";
-
-bool has_word(std::string_view words, const std::string& word) {
-  return words.find(' ' + word + ' ') != std::string_view::npos;
-}
-
-/// Words and numbers of a name, in lower case: `actualQ_0` is actual, q, 0.
-std::vector<std::string> words_in(const std::string& name) {
-  std::vector<std::string> words;
-  char before = ' ';
-  for (const char c : name) {
-    const auto u = static_cast<unsigned char>(c);
-    const bool digit = c >= '0' && c <= '9', upper = c >= 'A' && c <= 'Z';
-    const bool letter = upper || (c >= 'a' && c <= 'z') || u >= 0x80;
-    const bool was_digit = before >= '0' && before <= '9', was_lower = before >= 'a' && before <= 'z';
-    const bool begins = before == ' ' || digit != was_digit || (upper && was_lower);
-    if (digit || letter) {
-      if (begins) words.emplace_back();
-      words.back() += static_cast<char>(upper ? c + 32 : c);
-    }
-    before = digit || letter ? c : ' ';
-  }
-  return words;
-}
-
-/// A column of the log, as far as it is understood.
-struct GuessedColumn {
-  std::size_t index = 0;
-  std::string name, unit;  // of the header
-  std::vector<std::string> words;
-  std::vector<double> values;
-  ColumnRole role = ColumnRole::none;
-  std::optional<std::size_t> joint;  // of a tip: the coordinate
-  int side = 0;                      // > 0: of the load
-  std::string unknown_unit;          // of the header
-
-  bool whole() const {
-    return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
-  }
-  double largest() const {
-    double most = 0;
-    for (const double v : values) most = std::max(most, std::abs(v));
-    return most;
-  }
-  /// The smallest step between neighbours: that of a quantized column.
-  double smallest_step() const {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < values.size(); ++i)
-      if (const double step = std::abs(values[i] - values[i - 1]); step > 0) least = std::min(least, step);
-    return std::isinf(least) ? 0 : least;
-  }
-};
-
-std::vector<double> numbers_of(const std::vector<std::string>& texts) {
-  std::vector<double> numbers;
-  LogClock clock;
-  WrittenNumbers written;
-  for (std::string text : texts) {
-    if (!make_decimal_notation(text)) make_plain_number(text);
-    if (const auto number = parse_number(text))
-      numbers.push_back(*number);
-    else if (const auto stamp = clock.seconds(text, Unit{}, written))
-      numbers.push_back(*stamp);
-  }
-  return numbers;
-}
-
-/// Correlation coefficient of two columns of one table; 0 if one of them rests, or has gaps.
-double correlation_of(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto n = static_cast<Eigen::Index>(x.size());
-  if (x.size() != y.size() || x.size() < 10) return 0;
-  const Eigen::Map<const Eigen::ArrayXd> a(x.data(), n), b(y.data(), n);
-  const Eigen::ArrayXd da = a - a.mean(), db = b - b.mean();
-  const double norm = std::sqrt(da.square().sum() * db.square().sum());
-  return norm > 0 ? (da * db).sum() / norm : 0;
-}
-
 /// A whole number of a few digits.
 int number_in(const std::string& digits) {
   int number = 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), number);
   return number;
-}
-
-ColumnRole role_of(const std::vector<std::string>& words) {
-  for (const RoleWords& row : role_words)
-    for (const std::string& word : words)
-      if (has_word(row.words, word)) return row.role;
-  return ColumnRole::none;
 }
 
 /// Proposes the mapping of one log.
@@ -217,8 +93,7 @@ class MappingGuess {
     if (c.role == ColumnRole::tip && named_joint(c)) c.role = ColumnRole::position;
     const bool angle = has_dimension(c.unit, dimension::angle);
     if (angle && (c.role == ColumnRole::none || c.role == ColumnRole::tip)) c.role = ColumnRole::position;
-    for (const std::string& word : c.words)
-      c.side += 2 * has_word(sensor_words, word) + has_word(load_words, word) - has_word(motor_words, word);
+    for (const std::string& word : c.words) c.side += side_of(word);
     columns_.push_back(std::move(c));
   }
 
@@ -338,11 +213,6 @@ class MappingGuess {
     }
     if (names.size() != spec_.model.chain.independent.size()) return;
     for (const auto& [column, joint] : named) column->joint = joint;
-  }
-
-  static bool is_known_word(const std::string& word) {
-    return role_of({word}) != ColumnRole::none || has_word(motor_words, word) || has_word(load_words, word) ||
-           has_word(sensor_words, word);
   }
 
   /// Of a table without header: the first column that rises is the time, the others are the joints in order;
@@ -573,8 +443,7 @@ class MappingGuess {
     std::map<std::string, std::array<const GuessedColumn*, 3>> triples;
     for (const GuessedColumn& c : columns_) {
       if (used_.contains(c.index) || c.joint || c.words.empty()) continue;
-      const bool tracked = std::any_of(c.words.begin(), c.words.end(),
-                                       [](const std::string& w) { return has_word(sensor_words, w); });
+      const bool tracked = std::any_of(c.words.begin(), c.words.end(), is_of_sensor);
       const bool moving = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
         return has_word(" orientation rotation quat velocity speed force torque twist target ", w);
       });
