@@ -279,7 +279,10 @@ void CsvReader::ragged(std::size_t cells) const {
 std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) {
   std::string text = cell.text;
   if (!limits_.recognize || is_numeric(text, '.')) {
-    if (format_.decimal == ',' && may_be_thousands(text))
+    const bool either = format_.decimal == ',' && may_be_thousands(text);
+    if (either && format_.points_group)
+      std::erase(text, '.');
+    else if (either)
       throw Error(ambiguous_point(place_at(cell.begin), header_[chosen_[chosen]], text));
     if (limits_.recognize) make_decimal_notation(text);
     return text;

@@ -23,7 +23,7 @@ constexpr RoleWords role_words[]{
     // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
     {ColumnRole::other,
      " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
-     "err i2t ext digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
+     "err i2t digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
      "difference residual fehler erreur "},
     {ColumnRole::command,
      " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
@@ -95,9 +95,14 @@ std::vector<std::string> words_in(const std::string& name) {
 }
 
 ColumnRole role_of(const std::vector<std::string>& words) {
+  const auto any = [&](std::string_view of) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](const std::string& word) { return has_word(of, word); });
+  };
   for (const RoleWords& row : role_words)
-    for (const std::string& word : words)
-      if (has_word(row.words, word)) return row.role;
+    if (any(row.words))
+      // libfranka's tau_ext is what it estimates of contacts.
+      return row.role == ColumnRole::effort && any(" ext ") ? ColumnRole::other : row.role;
   return ColumnRole::none;
 }
 

@@ -165,8 +165,16 @@ std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
 }
 
 /// A date and a time of day, with `T` or a blank between them and perhaps a zone; or a time of day alone.
+/// `1 days 00:00:00.25`, as pandas writes a Timedelta, has its days in the time of day.
 /// @param date  without it the stamp has the time of day only
 std::optional<TimeStamp> calendar_stamp(std::string_view text, std::optional<CalendarDate>& date) {
+  if (const std::size_t days = text.find(" day"); days != std::string_view::npos) {
+    const auto count = whole(text.substr(0, days));
+    const auto time =
+        calendar_stamp(text.substr(std::min(text.find(' ', days + 1), text.size() - 1) + 1), date);
+    if (!count || !time || date || *count > farthest) return std::nullopt;
+    return TimeStamp{86400 * *count + time->seconds, time->attoseconds};
+  }
   const std::size_t mark = text.find_first_not_of("0123456789");
   if (mark != std::string_view::npos && text[mark] != ':') {
     date = take_date(text);

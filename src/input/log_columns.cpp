@@ -148,7 +148,7 @@ class ColumnFinder {
   void add(std::size_t i) {
     const LogHeader& header = table_.header()[i];
     const ColumnMeaning& meaning = header.meaning;
-    if (header.text.empty()) return;  // behind a separator at the end of the rows
+    if (header.text.empty() && meaning.signal != "time") return;  // behind a separator at the end of the rows
     const auto found = std::find(names_.begin(), names_.end(), meaning.signal);
     if (found == names_.end()) {
       ignored_ += (ignored_.empty() ? "'" : ", '") + header.text + "'" + hint(meaning.signal, names_);

@@ -120,6 +120,7 @@ LogSource with_own_unit(const LogSource& source, const std::vector<std::string>&
 
 std::string unit_in_words(std::string_view word) {
   if (word == "\u00b0" || word == "\u00ba" || word == "Grad") return "deg";
+  if (word == "A" || word == "mA") return std::string(word);
   if (word.ends_with('.')) word.remove_suffix(1);  // `sec.`
   const std::string lower = lower_case(word);
   if (lower.empty()) return "";

@@ -79,6 +79,7 @@ class MappingGuess {
     GuessedColumn c{i,  parts.name, parts.unit, words_in(parts.name), numbers_of(table_.first_texts(i)), {},
                     {}, 0,          {}};
     if (c.values.empty() || parts.name.empty()) return;
+    if (c.unit == "counts") c.unit = "count";
     find_unknown_unit(c);
     c.role = role_of(c.words);
     if (const auto j = named_joint(c); c.role == ColumnRole::none && j && c.words == words_in(joint(*j).name))
@@ -100,7 +101,8 @@ class MappingGuess {
   /// What stands in brackets behind the name like a unit, and is none, nor a word of the name.
   void find_unknown_unit(GuessedColumn& c) const {
     std::string why;
-    if (!c.unit.empty() && !parse_unit(c.unit, why) && c.unit != "%") c.unknown_unit = c.unit;
+    const bool current = c.unit == "A" || c.unit == "mA";
+    if (!c.unit.empty() && !parse_unit(c.unit, why) && !current) c.unknown_unit = c.unit;
     if (!c.unknown_unit.empty()) c.unit.clear();
     const std::size_t open = c.name.rfind('(');
     if (!c.unit.empty() || !c.name.ends_with(')') || open == std::string::npos || open == 0) return;

@@ -257,6 +257,17 @@ bool all_like_thousands(const TableFormat& f, const std::vector<SampleLine>& lin
   return commas >= fewest;
 }
 
+/// Whether a cell has points between groups of three digits before its decimal comma: `1.234,5`.
+bool has_grouping_points(const TableFormat& f, const std::vector<SampleLine>& lines) {
+  for (const SampleLine& line : lines)
+    if (!line.comment)
+      for (const std::string_view cell : cells_by(line.text, f.separator)) {
+        std::string copy(cell);
+        if (cell.find('.') != std::string_view::npos && remove_thousands(copy) == ',') return true;
+      }
+  return false;
+}
+
 /// Whether `"1,5"` in a table that commas separate is a number: in several rows, and none has a decimal
 /// point.
 bool has_quoted_commas(const std::vector<SampleLine>& lines) {
@@ -400,6 +411,7 @@ TableFormat recognize_table(std::string_view head) {
   }
   f.decimal_unknown = f.separator != ',' && !shows_decimals(f, lines);
   f.maybe_thousands = f.decimal == ',' && all_like_thousands(f, lines);
+  f.points_group = f.decimal == ',' && has_grouping_points(f, lines);
   find_header(f, lines);
   return f;
 }

@@ -15,6 +15,7 @@ struct TableFormat {
   char decimal = '.';            ///< mark of decimals
   bool decimal_unknown = false;  ///< no number of the sample has decimals
   bool maybe_thousands = false;  ///< every decimal comma of the sample may be a mark of thousands: `64,863`
+  bool points_group = false;     ///< a number of the sample has points of thousands and a decimal comma
   bool has_header = true;
   bool header_is_comment = false;  ///< `# time q1 q2`, as numpy.savetxt writes it
   bool has_units = false;          ///< the row behind the header has the units of the columns

@@ -224,6 +224,7 @@ TEST_F(LogFormats, StampsOfCalendarsAndEpochsAreSeconds) {
                            {"ts", "0.5", "0.75", 0.25},
                            {"Time", "14-Mar-2026 17:16:42.25", "14-Mar-2026 17:16:42.50", 0.25},
                            {"Zeit", "14. M\u00e4rz 2026 17:16:42", "14. M\u00e4rz 2026 17:16:43", 1},
+                           {"", "0 days 23:59:59.750000", "1 days 00:00:00.250000", 0.5},
                            {"time", "09:15:00:250", "09:15:00:500", 0.25},
                            {"Time", "11/05/2026 11:59:59 PM", "11/06/2026 12:00:00 AM", 1},
                            {"Time", "05/11/2026 23:59:59", "06/11/2026 00:00:00", 1},
@@ -312,6 +313,8 @@ TEST_F(LogFormats, APointInATableOfDecimalCommasIsAsked) {
   EXPECT_NE(refusal(head + "0,0;1.234;1,5\n0,1;2;1,25\n").find("of thousands, or of decimals?"),
             std::string::npos);
   EXPECT_EQ(values(log, LogSignal::counts)[2], 1234567);
+  EXPECT_EQ(values(read(head + "0,0;1;-1.234,5\n0,1;1.234;0,125\n"), LogSignal::counts)[1], 1234)
+      << "the points of this table are of thousands";
   EXPECT_EQ(values(log, LogSignal::reference)[1] - values(log, LogSignal::reference)[0], 0.125 - 1.5)
       << "0.125 can be no thousands";
   // English thousands in a table without any other decimals.

@@ -322,6 +322,19 @@ TEST_F(LogMapping, TheSensorIsTheReferenceWhateverTheEncoderIsCalled) {
             std::string::npos);
 }
 
+TEST_F(LogMapping, CurrentsAndCountsOfHeadersAreProposed) {
+  spec = spec_of("");
+  const std::string section = proposed(log_of(
+      "time [s],Shoulder encoder (counts),Shoulder position ext (rad),Shoulder current (A)", [](int i) {
+        return text_of(0.01 * i) + ',' + text_of(std::round(motor(i, 0) * 4096 / (2 * std::numbers::pi)), 0) +
+               ',' + text_of(load(i, 0)) + ",0.25";
+      }));
+  EXPECT_EQ(
+      section,
+      "log:\n  columns:\n    shoulder.counts: Shoulder encoder (counts)\n"
+      "    shoulder.reference: Shoulder position ext (rad)\n    shoulder.effort: Shoulder current (A)\n");
+}
+
 TEST_F(LogMapping, ProposedForATopicThatRos2Prints) {
   std::string text;
   for (int i = 0; i < 200; ++i) {
