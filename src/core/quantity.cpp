@@ -267,7 +267,12 @@ std::optional<Unit> parse_unit(std::string_view text, std::string& why) {
   if (!size || size->first == 0 || size->second == text.size() || text[size->second] != ' ')
     return UnitReader(text, why).whole();
   auto unit = UnitReader(text.substr(after_blanks(text, size->second)), why).whole();
-  if (unit) unit->factor *= size->first;
+  if (!unit) return std::nullopt;
+  const bool divides = size->first > 1 && std::fmod(unit->divisor, size->first) == 0;
+  if (divides)
+    unit->divisor /= size->first;  // integers stay integers: 100 ns are 1e-7 s
+  else
+    unit->factor *= size->first;
   return unit;
 }
 

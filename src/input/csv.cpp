@@ -26,6 +26,11 @@ void advance(Place& place, const char* begin, const char* end) {
   place.column += static_cast<int>(display_width({start, static_cast<std::size_t>(end - start)}));
 }
 
+/// What stands in place of a unit: `-`, `(None)`.
+bool is_no_unit(const std::string& unit) {
+  return unit.empty() || unit == "-" || unit == "None" || unit == "(None)";
+}
+
 }  // namespace
 
 ColumnName column_name(const std::string& cell) {
@@ -164,7 +169,7 @@ void CsvReader::add_units() {
     std::string unit = cells[i].text;
     if (unit.size() > 1 && (unit.front() == '[' || unit.front() == '('))
       unit = trimmed(unit.substr(1, unit.size() - 2));
-    if (!unit.empty() && unit != "-") header_[i] += " [" + unit + ']';
+    if (!is_no_unit(unit)) header_[i] += " [" + unit + ']';
   }
 }
 
@@ -181,7 +186,7 @@ void CsvReader::take_keyed_rows() {
       units[i] = cells[i].text;
   }
   const auto with_unit = [](const std::string& name, const std::string& unit) {
-    return unit.empty() ? name : name + " [" + unit + ']';
+    return is_no_unit(unit) ? name : name + " [" + unit + ']';
   };
   for (std::size_t i = 1; i < header_.size(); i += 2) {
     header_[i - 1] = with_unit(i == 1 ? "time" : "time of " + header_[i], of_time);
@@ -208,7 +213,7 @@ void CsvReader::fit_header() {
     header_.erase(header_.begin() + static_cast<std::ptrdiff_t>(i));
     header_places_.erase(header_places_.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  if (blanks || format_.cells < 2) return;
+  if (format_.cells < 2) return;
   if (header_.size() == format_.cells + 1) {
     // libfranka writes a title before the columns of commands, LabVIEW a column that few rows have.
     auto extra = std::find(header_.begin(), header_.end(), "sent commands");

@@ -278,6 +278,8 @@ void CsvReader::ragged(std::size_t cells) const {
 /// @throws Error (input) for a point that may be one of thousands
 std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) {
   std::string text = cell.text;
+  if (constexpr std::string_view minus = "\u2212"; text.starts_with(minus))
+    text.replace(0, minus.size(), "-");
   if (!limits_.recognize || is_numeric(text, '.')) {
     const bool either = format_.decimal == ',' && may_be_thousands(text);
     if (either && format_.points_group)
@@ -289,7 +291,7 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
   }
   const bool commas = format_.decimal == ',' || format_.decimal_unknown;
   // Beside decimal points a comma is none: `1,002`.
-  if (!commas && format_.separator != ',' && is_numeric(text, ',')) {
+  if (!commas && (format_.separator != ',' || cell.quoted) && is_numeric(text, ',')) {
     std::string pointed = text;
     std::replace(pointed.begin(), pointed.end(), ',', '.');
     if (may_be_thousands(pointed)) std::erase(text, ',');

@@ -27,28 +27,31 @@ constexpr RoleWords role_words[]{
      "difference residual fehler erreur "},
     {ColumnRole::command,
      " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
-     "consigne d des reference_position "},
-    {ColumnRole::velocity, " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse rpm "},
+     "consigne consigna d des reference_position "},
+    {ColumnRole::velocity,
+     " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse velocidad velocit\u00e0 rpm "},
     {ColumnRole::effort,
-     " mt effort torque tau current moment drehmoment strom couple courant force kraft load_torque "},
+     " mt effort torque tau current moment drehmoment strom couple courant corriente corrente coppia force "
+     "kraft load_torque "},
     {ColumnRole::temperature, " temperature temperatures temp temperatur "},
     {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
     {ColumnRole::counts,
      " counts count ticks tick raw pulses increments inkremente impulse cnt cnts cts imp steps encodercounts "
-     "compteur z\u00e4hler zaehler impulsions "},
+     "compteur z\u00e4hler zaehler impulsions cuentas pulsos conteggi impulsi "},
     {ColumnRole::position,
      " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
      "encoder enc geber motor link reference ref truth angulaire deg rad rotation phi feedback data "
-     "laser "},
+     "laser posicion posici\u00f3n posizione angulo \u00e1ngulo angolo referencia riferimento skala scale "},
 };
 
 /// Of two positions of a joint the one nearer to the load is the reference, or that of a sensor which is no
 /// part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
 constexpr std::string_view motor_words =
-    " motor rotor drive enc encoder geber codeur input primary theta hall actuator ";
+    " motor rotor drive enc encoder geber codeur codificador input primary theta hall actuator ";
 constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
 constexpr std::string_view sensor_words =
-    " ref reference referenz truth true ext extern external laser tracker mocap vicon vrpn optitrack "
+    " ref reference referenz referencia riferimento truth true ext extern external laser tracker mocap vicon "
+    "vrpn optitrack "
     "qualisys leica "
     "faro marker "
     "autocollimator collimator interferometer gauge ";

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/log_table.hpp"
 #include "qerr/core/quantity.hpp"
@@ -129,6 +131,16 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
     result.lines.push_back(table.last_line().line);
   }
   for (std::string& warning : table.warnings()) warnings.push_back(std::move(warning));
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    constexpr double farthest = 4 * std::numbers::pi;
+    const bool bare = units[i].dimension == Dimension{} && !chain.independent[i].prismatic();
+    double most = 0;
+    for (std::size_t k = i; k < positions.size(); k += units.size())
+      most = std::max(most, std::abs(positions[k]));
+    if (bare && most > farthest)
+      warnings.push_back(table.file() + ": '" + chain.independent[i].name + "' is read in rad, up to " +
+                         significant(most, 3) + ": write its unit behind the name, such as [deg]");
+  }
   if (result.lines.empty())
     throw Error({table.last_line(), "", "the file has no rows of numbers", "", "give at least one"});
   result.positions =

@@ -178,7 +178,7 @@ std::optional<TimeStamp> calendar_stamp(std::string_view text, std::optional<Cal
   const std::size_t mark = text.find_first_not_of("0123456789");
   if (mark != std::string_view::npos && text[mark] != ':') {
     date = take_date(text);
-    if (!date || !take_mark(text, "Tt ,;_")) return std::nullopt;
+    if (!date || !take_mark(text, "Tt ,;_-")) return std::nullopt;
     while (take_mark(text, " ")) {
     }
   }
@@ -285,10 +285,19 @@ double LogClock::seconds(double stamp) {
 }
 
 std::string epoch_unit(double stamp) {
-  // From 1973 to 5138 in each unit: the ranges do not overlap.
-  constexpr std::pair<double, const char*> units[] = {{1e17, "ns"}, {1e14, "us"}, {1e11, "ms"}};
-  for (const auto& [least, unit] : units)
-    if (stamp >= least && stamp < 1000 * least) return unit;
+  struct Range {
+    double least, most;
+    const char* unit;
+  };
+  // Of ticks of 100 ns since 1601 and since the year 1 (Windows, .NET) those from 2001 to 2100; else from
+  // 1973, or of nanoseconds 2001, to 5138. The ranges do not overlap.
+  constexpr Range ranges[] = {{1.26e17, 1.58e17, "100 ns"},
+                              {6.3e17, 6.63e17, "100 ns"},
+                              {1e18, 1e20, "ns"},
+                              {1e14, 1e17, "us"},
+                              {1e11, 1e14, "ms"}};
+  for (const Range& r : ranges)
+    if (stamp >= r.least && stamp < r.most) return r.unit;
   return {};
 }
 

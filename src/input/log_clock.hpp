@@ -15,8 +15,8 @@ struct TimeStamp {
   std::int64_t seconds = 0, attoseconds = 0;
 };
 
-/// The unit of a stamp without one that counts from 1970, by its size: `ms`, `us` or `ns`; "" for a smaller
-/// one, in seconds.
+/// The unit of a stamp without one that counts from 1970, by its size: `ms`, `us` or `ns`, or `100 ns` from
+/// 1601 or the year 1; "" for a smaller one, in seconds.
 std::string epoch_unit(double stamp);
 
 /// A date as days since 1970. In `11/05/2026` day and month may be exchanged, then the other reading, too.

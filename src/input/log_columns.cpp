@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -151,6 +152,7 @@ class ColumnFinder {
     if (header.text.empty() && meaning.signal != "time") return;  // behind a separator at the end of the rows
     const auto found = std::find(names_.begin(), names_.end(), meaning.signal);
     if (found == names_.end()) {
+      refuse_unknown_unit(header);
       ignored_ += (ignored_.empty() ? "'" : ", '") + header.text + "'" + hint(meaning.signal, names_);
       ignored_names_.push_back(meaning.signal);
       ignored_places_.push_back(i);
@@ -160,6 +162,8 @@ class ColumnFinder {
     for (std::size_t k = 0; k < found_.columns.size(); ++k)
       if (found_.columns[k].signal == known.signal && found_.columns[k].index == known.index)
         throw duplicate(table_.header()[found_.places[k]], header);
+    const bool position = known.signal == LogSignal::measured || known.signal == LogSignal::reference;
+    if (meaning.unit.empty() && position) refuse_counts(header, i, known);
     LogColumn column{known.signal, known.index, header.text, {}, {}, {}, {}};
     read_unit(column, dimension_of(known, spec_.model.chain), meaning.unit, header.place);
     if (meaning.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
@@ -169,6 +173,36 @@ class ColumnFinder {
       units_ += (units_.empty() ? "'" : ", '") + header.text + "' in " + meaning.unit;
     found_.columns.push_back(column);
     found_.places.push_back(i);
+  }
+
+  /// `elbow.reference (arc seconds)`: a signal, but for its unit.
+  void refuse_unknown_unit(const LogHeader& header) const {
+    for (std::size_t k = 0; k < names_.size(); ++k) {
+      if (!header.text.starts_with(names_[k]) || header.text.size() == names_[k].size()) continue;
+      const std::string behind(trimmed(std::string_view(header.text).substr(names_[k].size())));
+      if (!behind.starts_with('(') && !behind.starts_with('[')) continue;
+      const std::string unit = unit_name(dimension_of(known_[k], spec_.model.chain));
+      throw Error({header.place, header.text, "unknown unit", quoted(behind),
+                   "such as [" + unit + "], or what one step is: [0.001 " + unit + ']'});
+    }
+  }
+
+  /// A position without a unit that is whole and far beyond any turn is of counts, not of rad or m.
+  void refuse_counts(const LogHeader& header, std::size_t i, const KnownColumn& known) const {
+    constexpr double farthest = 1000;  // [rad, m]
+    std::size_t far = 0;
+    for (const std::string& text : table_.first_texts(i)) {
+      const auto value = parse_number(text);
+      if (!value || *value != std::floor(*value)) return;
+      far += std::abs(*value) > farthest;
+    }
+    if (far == 0) return;
+    const std::string unit = dimension_of(known, spec_.model.chain) == dimension::length ? "mm" : "deg";
+    throw Error({header.place, header.text,
+                 "whole numbers beyond 1000 " + unit_name(dimension_of(known, spec_.model.chain)) +
+                     " without a unit: are they counts?",
+                 "",
+                 "write what one of them is behind the name: '" + header.text + " [360/4096 " + unit + "]'"});
   }
 
   /// Positions that the log lacks, and that an ignored column is nearly called.

@@ -23,13 +23,17 @@ struct UnitWords {
   std::string_view unit, words;
 };
 constexpr UnitWords unit_words[]{
-    {"deg", " degree degrees degs "},
+    {"deg", " degree degrees degs grados gradi "},
     {"rad", " radian radians "},
-    {"arcsec", " arcseconds arcsecond \" "},
+    {"in", " inch inches zoll "},
+    {"arcsec", " arcseconds arcsecond arc-seconds \" "},
     {"arcmin", " arcminutes arcminute ' "},
-    {"rev", " revolution revolutions revs turn turns cycles umdrehungen umdrehung tr tours tour "},
-    {"s", " sec secs second seconds sekunde sekunden seconde secondes "},
-    {"ms", " msec msecs millis millisec millisecond milliseconds millisekunden millisecondes "},
+    {"rev",
+     " revolution revolutions revs turn turns cycles umdrehungen umdrehung tr tours tour vueltas giri "},
+    {"s", " sec secs second seconds sekunde sekunden seconde secondes segundo segundos secondo secondi "},
+    {"ms",
+     " msec msecs millis millisec millisecond milliseconds millisekunden millisecondes milisegundos "
+     "millisecondi "},
     {"us", " usec usecs \u00b5sec micros microsec microsecond microseconds mikrosekunden microsecondes "},
     {"ns", " nsec nsecs nanos nanosec nanosecond nanoseconds nanosekunden nanosecondes "},
     {"min", " minute minutes minuten "},
@@ -39,7 +43,7 @@ constexpr UnitWords unit_words[]{
     {"um", " micron microns micrometer micrometers micrometre micrometres "},
     {"count",
      " tick ticks pulse pulses cts cnt cnts inc incs increment increments lsb qc inkr ink inkremente "
-     "inkrement impulse impulsions imp points pts "},
+     "inkrement impulse impulsions imp points pts cuentas pulsos conteggi impulsi "},
     {"A", " amp amps ampere amperes "},
     {"mA", " milliamp milliamps "},
     {"N m", " nm n\u00b7m n*m n-m n.m n\u22c5m newton-meter newton-meters newtonmeter "},
@@ -51,9 +55,10 @@ constexpr UnitWords unit_words[]{
 constexpr std::string_view time_names =
     " time timestamp time_stamp stamp t datetime date_time date_and_time zeit zeitstempel zeitpunkt uhrzeit "
     "datum_zeit datum_uhrzeit datum_und_uhrzeit messzeit laufzeit temps heure date_heure horodatage horodate "
-    "elapsed elapsed_time rel_time relative_time sim_time epoch unix_time unixtime local_time systime "
+    "tiempo tempo segundos secondi sec msec usec elapsed elapsed_time rel_time relative_time sim_time epoch "
+    "unix_time unixtime local_time systime "
     "sys_time "
-    "robot_time seconds secs sekunden secondes millis micros milliseconds microseconds nanoseconds "
+    "robot_time datenum seconds secs sekunden secondes millis micros milliseconds microseconds nanoseconds "
     "header_stamp "
     "receive_time recv_time log_time x_value ";
 /// Names that mean them where no other column does: `Date` stands beside `Time`, and `ts` may be a step.
@@ -83,6 +88,17 @@ ColumnName by_underscore(const std::string& text) {
   // `encoder_counts` is a name.
   if (unit.empty() || unit == "count" || unit == "counts" || unit == "A" || letter) return {text, {}};
   return {name, unit};
+}
+
+/// `ref mrad`, `ref/turns`, `Time ms`: the last word, if it is a unit and no other word.
+std::optional<ColumnName> by_last_word(const std::string& text) {
+  const std::size_t at = text.find_last_of(" /");
+  if (at == std::string::npos || at == 0 || text.size() - at < 3) return std::nullopt;
+  const std::string unit = unit_in_words(text.substr(at + 1));
+  std::string why;
+  const auto read = parse_unit(unit, why);
+  if (!read || read->dimension == dimension::none || unit == "in" || unit == "min") return std::nullopt;
+  return ColumnName{std::string(bare_cell(text.substr(0, at))), unit};
 }
 
 /// `NAME (UNIT)` or `NAME [UNIT]`.
@@ -154,6 +170,7 @@ ColumnName measured_name(const std::string& cell) {
     if (const std::size_t at = text.rfind(mark); at != std::string::npos && at > 0)
       if (const std::string unit = unit_in_words(bare_cell(text.substr(at + mark.size()))); !unit.empty())
         return {std::string(bare_cell(text.substr(0, at))), unit};
+  if (auto parts = by_last_word(text)) return *parts;
   return by_underscore(text);
 }
 

@@ -195,6 +195,25 @@ class MappingGuess {
           column->joint = static_cast<std::size_t>(index);
       }
     name_joints_in_order();
+    if (joints == 1) find_pair();
+  }
+
+  /// Of a single joint: the only two columns that follow each other, `ch1` and `ch2`, where no name says
+  /// more.
+  void find_pair() {
+    const auto is_position = [](const GuessedColumn& c) {
+      return c.role == ColumnRole::position || c.role == ColumnRole::counts;
+    };
+    if (std::any_of(columns_.begin(), columns_.end(), is_position)) return;
+    std::pair<GuessedColumn*, GuessedColumn*> pair{};
+    for (GuessedColumn& a : columns_)
+      for (GuessedColumn& b : columns_) {
+        if (&a >= &b || a.role != ColumnRole::none || b.role != ColumnRole::none) continue;
+        if (std::abs(correlation_of(a.values, b.values)) < follows) continue;
+        if (pair.first) return;
+        pair = {&a, &b};
+      }
+    if (pair.first) pair.first->role = pair.second->role = ColumnRole::position;
   }
 
   /// Where no header has the name of a joint, but the headers have as many names as there are joints, in
@@ -316,7 +335,10 @@ class MappingGuess {
     // From the motor to the load; of two alike the coarser one is that of the encoder.
     std::stable_sort(positions.begin(), positions.end(), [](const auto* a, const auto* b) {
       const int x = a->side - (a->role == ColumnRole::counts), y = b->side - (b->role == ColumnRole::counts);
-      return x != y ? x < y : a->smallest_step() > b->smallest_step();
+      if (x != y) return x < y;
+      // Counts of one motion: fewer of the coarser one.
+      if (a->whole() && b->whole() && a->largest() > 0) return a->largest() < b->largest();
+      return a->smallest_step() > b->smallest_step();
     });
     const std::string& name = joint(j).name;
     const bool known = taken_.contains(name + ".counts") || taken_.contains(name + ".measured");
@@ -333,7 +355,6 @@ class MappingGuess {
   /// The only other column whose values follow the position of a joint that has one, whatever it is called.
   std::optional<const GuessedColumn*> lone_follower(
       const std::vector<const GuessedColumn*>& positions) const {
-    constexpr double follows = 0.9999;  // backlash of 1 % of the motion is a correlation of 0.9999
     if (positions.size() != 1 || positions[0]->smallest_step() == 0) return std::nullopt;
     std::optional<const GuessedColumn*> found;
     for (const GuessedColumn& c : columns_) {
@@ -467,6 +488,8 @@ class MappingGuess {
       return;
     }
   }
+
+  static constexpr double follows = 0.9999;  // the correlation with a backlash of 1 % of the motion
 
   const LogTable& table_;
   const Spec& spec_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/statistics.hpp"
+#include "core/text.hpp"
 #include "input/bag_file.hpp"
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
@@ -46,6 +47,14 @@ double StampReader::operator()() {
     if (const auto seconds = clock_.seconds(std::string_view(plain).substr(0, size), unit_, written_))
       return *seconds;
   }
+  const std::size_t digits = std::min(text.find_last_of("0123456789.") + 1, text.size());
+  if (const std::string unit = unit_in_words(trimmed(text.substr(digits))); !unit.empty()) {
+    std::string why;
+    const auto number = parse_number(text.substr(0, digits));
+    const auto of_cell = parse_unit(unit, why);
+    if (number && of_cell && of_cell->dimension == dimension::time)
+      return clock_.seconds(of_cell->in_si(*number));
+  }
   if (text.empty()) refuse("the cell is empty", "write a plain number, or leave the row out");
   double number = 0;
   if (read_number(text.data(), number, written_) == text.data() + text.size())
@@ -85,7 +94,9 @@ std::string unit_of_steps(const std::vector<double>& stamps) {
   const double step = median(steps);
   constexpr double fastest = 50e-6, slowest = 0.2;  // [s] 20 kHz and 5 Hz, convention
   std::string found;
-  if (step == 1) return "";  // a number of the row as well
+  if (step == 1) return "";                        // a number of the row as well
+  for (const double slow : {15., 30., 60., 120.})  // seconds, as of loggers of temperature
+    if (step == slow) return "";
   for (const auto& [unit, size] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
     if (step * size >= fastest && step * size <= slowest) found = found.empty() ? unit : "?";
   return found == "?" ? "" : found;
@@ -105,12 +116,21 @@ namespace {
 bool are_serial_days(const std::vector<double>& stamps, const std::string& header) {
   constexpr double since_1970 = 25569, until_2100 = 73051;
   constexpr double fastest = 50e-6;  // [s] 20 kHz: smaller steps are none of seconds
-  if (stamps.front() < since_1970 || stamps.back() > until_2100) return false;
+  // MATLAB counts from the year 0.
+  const double zero = stamps.front() > until_2100 ? 693960 : 0;
+  if (stamps.front() - zero < since_1970 || stamps.back() - zero > until_2100) return false;
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i)
     if (stamps[i] != stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
   const bool date = header.starts_with("Dat") || header.starts_with("dat");
   return steps.size() > 1 && median(steps) > 0 && median(steps) < (date ? 1 : fastest);
+}
+
+/// Whether stamps count seconds since 1970, and are no counter of microseconds: its steps are larger.
+bool are_epoch_seconds(const std::vector<double>& stamps) {
+  constexpr double since_2001 = 1e9, until_2106 = 0x1p32, longest_step = 100;
+  return stamps.front() >= since_2001 && stamps.back() < until_2106 &&
+         stamps.back() - stamps.front() <= longest_step * static_cast<double>(stamps.size() - 1);
 }
 
 /// Whether the first cells of a column are stamps: each is one, they do not fall, and they change.
@@ -129,6 +149,11 @@ bool are_stamps(const std::vector<std::string>& cells, bool calendar) {
     last = seconds;
   }
   return last && *last > *first;
+}
+
+bool has_decimals(const std::vector<std::string>& cells) {
+  return std::any_of(cells.begin(), cells.end(),
+                     [](const std::string& c) { return c.find_first_of(".,") != std::string::npos; });
 }
 
 /// Whether the name of a column of seconds has one of nanoseconds behind it.
@@ -177,7 +202,9 @@ std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
   for (std::size_t i = 0; i < columns.size(); ++i) {
     std::string why;
     const auto unit = parse_unit(columns[i].unit, why);
-    const bool of_time = unit && unit->dimension == dimension::time;
+    // Without a name the first column is the index of a table, of pandas say: of rows, or of seconds.
+    const bool index = i == 0 && header[i].empty() && has_decimals(texts(i));
+    const bool of_time = index || (unit && unit->dimension == dimension::time);
     if (columns[i].mapped || !are_stamps(texts(i), !of_time)) continue;
     if (found) return std::nullopt;
     found = i;
@@ -209,13 +236,17 @@ std::string recognize_stamps(const std::string& file, const std::vector<std::str
       meaning.unit = "s", how = "calendar time";
     } else if (!stamps.empty()) {
       if (const std::string unit = epoch_unit(stamps.front()); !unit.empty())
-        meaning.unit = unit, how = unit + " since 1970, by their size";
+        meaning.unit = unit,
+        how = unit + (unit == "100 ns" ? ", by their size" : " since 1970, by their size");
       else if (are_serial_days(stamps, header))
-        meaning.unit = "d", how = "days since 1900, as Excel counts them";
+        meaning.unit = "d", how = stamps.front() < 1e5 ? "days since 1900, as Excel counts them"
+                                                       : "days since the year 0, as MATLAB counts them";
       else if (const std::string program = program_time_unit(names); !program.empty())
         meaning.unit = program, how = program + ", as libfranka writes them";
       else if (const std::string named = unit_in_words(measured_name(header).name); by_name && !named.empty())
         meaning.unit = named;
+      else if (are_epoch_seconds(stamps))
+        meaning.unit = "s", how = "s since 1970, by their size";
       else if (const std::string step = unit_of_steps(stamps); !step.empty())
         meaning.unit = step, how = step + ", by their steps: write [s] behind the name if they are seconds";
     }

@@ -254,11 +254,12 @@ std::string UrdfReader::read_coupling(const std::string& type, const UrdfElement
     reductions[i] = *joint;
     stated.ratios[i] = *motor;
   }
-  const auto has_role = [](const UrdfElement* e) { return !word_of(*e, "role").empty(); };
-  if (!std::all_of(joints.begin(), joints.end(), has_role) ||
-      !std::all_of(actuators.begin(), actuators.end(), has_role))
+  const auto have_roles = [](const std::vector<const UrdfElement*>& parts) {
+    return word_of(*parts[0], "role").ends_with('1') && word_of(*parts[1], "role").ends_with('2');
+  };
+  if (!have_roles(joints) || !have_roles(actuators))
     flaws_.warn(transmission, transmission.title(),
-                "no <role> says which joint and which actuator is the first: taken in their order", "",
+                "no roles say which joint and which actuator is the first: taken in their order", "",
                 "ROS requires joint1, joint2, actuator1 and actuator2");
   stated.coupling = *coupling_of(type, reductions[0], reductions[1]);
   std::string obstacle = obstacle_to_coupling(stated);

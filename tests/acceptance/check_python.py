@@ -115,6 +115,20 @@ def check_arrays(t, q, qerr):
     for report in (of_file, of_arrays):
         del report["log"]["file"]
     t.check("arrays are the file of the same numbers", of_file == of_arrays, str({k for k in of_file if of_file[k] != of_arrays[k]}))
+    time = few["time [s]"]
+    stamps = np.round((time - time[0]) * 1e9).astype("m8[ns]")
+    others = {name: values for name, values in few.items() if name != "time [s]"}
+    duration = time[-1] - time[0]
+    for name, values in (("time", stamps), ("time [ms]", stamps.astype("m8[us]")), ("time", np.datetime64("2026-11-26") + stamps)):
+        found = q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", {name: values, **others}).json["log"]
+        span = found["last_time"] - found["first_time"]
+        t.check(f"{values.dtype} is the time", abs(span - duration) < 1e-5, f"{span} {duration}")
+    hidden = np.zeros(len(time), bool)
+    hidden[5:9] = True
+    last = list(others)[-1]
+    masked = {"time [s]": time, **others, last: np.ma.MaskedArray(others[last], hidden)}
+    found = q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", masked, set={"log.missing": "drop"})
+    t.check("what is masked is missing", any("4 of 40 rows" in w for w in found.warnings), str(found.warnings))
     errors = q.configurations(SPEC, set={"configurations.count": 100})
     t.check("an array a column", len(errors) > 5 and all(len(v) == 100 for v in errors.values()), str(list(errors)[:5]))
     q.analyze(SPEC, set={"configurations.count": 100}, per_configuration="each.csv")

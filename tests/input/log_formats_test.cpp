@@ -176,7 +176,10 @@ TEST_F(LogFormats, UnitsInOtherWordsAreTheirUnits) {
                                              {"temps (secondes)", "shoulder.reference_mrad", 1, 1e-3},
                                              {"timestamp [nanoseconds]", "shoulder.reference / rad", 1e-9, 1},
                                              {"__time", "shoulder.reference [arcseconds]", 1, deg / 3600},
-                                             {"millis", "shoulder.reference (turns)", 1e-3, 360 * deg}}) {
+                                             {"millis", "shoulder.reference (turns)", 1e-3, 360 * deg},
+                                             {"Tiempo (segundos)", "shoulder.reference [gradi]", 1, deg},
+                                             {"Time ms", "shoulder.reference mrad", 1e-3, 1e-3},
+                                             {"msec", "shoulder.reference/turns", 1e-3, 360 * deg}}) {
     const Log log = read(table({h.time, "shoulder.counts", h.reference}, {';', '.'}));
     const Eigen::ArrayXd time = values(log, LogSignal::time), reference = values(log, LogSignal::reference);
     for (int i = 0; i < rows; ++i) {
@@ -216,6 +219,13 @@ TEST_F(LogFormats, StampsOfCalendarsAndEpochsAreSeconds) {
                            {"timestamp", "5000", "6000", 1e-3},
                            {"timestamp", "20", "30", 0.01},
                            {"time", "8", "16", 0.008},
+                           {"time", "30", "60", 30},
+                           {"timestamp", "1764177402", "1764177412", 10},
+                           {"time", "134087534020000000", "134087534020100000", 0.01},
+                           {"time", "638000000000000000", "638000000000100000", 0.01},
+                           {"Time", "2026/11/26-17:16:42:000", "2026/11/26-17:16:42:250", 0.25},
+                           {"Time", "0.01 sec", "0.02 sec", 0.01},
+                           {"", "0.00", "0.01", 0.01},
                            {"Datum/Uhrzeit", "26.11.2026 17:16:42", "26.11.2026 17:16:43", 1},
                            {"Messpunkt", "26.11.2026 17:16:42", "26.11.2026 17:16:43", 1},
                            {"Rel. Time", "0.5", "0.75", 0.25},
@@ -248,6 +258,9 @@ TEST_F(LogFormats, DatesOfExcelAreDays) {
   const Log log = read(text);
   EXPECT_NEAR(values(log, LogSignal::time)[19] - values(log, LogSignal::time)[0], 0.19, 2e-5);
   EXPECT_NE(log.warnings[0].find("as Excel counts them"), std::string::npos) << log.warnings[0];
+  const Log matlab =
+      read("t,shoulder.counts\n740000.50000000,1\n740000.50000012,2\n740000.50000023,3\n740000.50000035,3\n");
+  EXPECT_NEAR(values(matlab, LogSignal::time)[3] - values(matlab, LogSignal::time)[0], 0.03, 1e-3);
   EXPECT_EQ(values(read("Time,shoulder.counts\n46352.5,1\n46352.75,2\n46353,2\n"), LogSignal::time)[1],
             46352.75)
       << "the time since a controller was switched on";
@@ -291,6 +304,15 @@ TEST_F(LogFormats, WordsOfExcelAndUnitsInCellsHaveARemedy) {
   for (const char* cell : {"1.5 deg", "1.5deg", "1.5\u00b0"})
     EXPECT_NE(refusal(head + cell + "\n2,3,0.75\n").find("'shoulder.reference [deg]'"), std::string::npos)
         << cell;
+}
+
+TEST_F(LogFormats, APositionOfNoKnownUnitIsAsked) {
+  EXPECT_NE(refusal("time [s],shoulder.counts,shoulder.reference\n0,1,100234\n1,2,100289\n")
+                .find("are they counts?"),
+            std::string::npos);
+  EXPECT_NE(refusal("time [s],shoulder.counts,shoulder.reference (arc feet)\n0,1,3\n1,2,4\n")
+                .find("unknown unit, found '(arc feet)'; such as [rad], or what one step is: [0.001 rad]"),
+            std::string::npos);
 }
 
 TEST_F(LogFormats, ClocksThatBeginAgainGoOn) {

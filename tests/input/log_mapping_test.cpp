@@ -322,6 +322,31 @@ TEST_F(LogMapping, TheSensorIsTheReferenceWhateverTheEncoderIsCalled) {
             std::string::npos);
 }
 
+TEST_F(LogMapping, TwoNamelessChannelsOfOneJointAreTheEncoderAndTheReference) {
+  std::ofstream(folder / "one.yaml")
+      << "qerr: 1\nrobot: {joint: {name: a, type: revolute}}\nencoders: {a: {bits: 12}}\n";
+  spec = read_spec((folder / "one.yaml").string());
+  const auto row = [](int i) {
+    return text_of(0.01 * i) + ',' + text_of(load(i, 0), 9) + ',' + text_of(motor(i, 0));
+  };
+  EXPECT_EQ(proposed(log_of("time,ch1,ch2", row)),
+            "log:\n  columns:\n    a.measured: {column: ch2, unit: rad}\n    a.reference: {column: ch1, "
+            "unit: rad}\n");
+  EXPECT_EQ(
+      proposed(log_of("time,ch1,ch2,ch3", [&](int i) { return row(i) + ',' + text_of(load(i, 0) + 1); }))
+          .rfind("none", 0),
+      0u)
+      << "three alike";
+  // Two encoders in counts: that of the spec is the coarser one.
+  EXPECT_NE(proposed(log_of("time,encoder2,encoder1",
+                            [](int i) {
+                              return text_of(0.01 * i) + ',' + text_of(std::round(load(i, 0) * 166886), 0) +
+                                     ',' + text_of(std::round(load(i, 0) * 651.9), 0);
+                            }))
+                .find("a.counts: encoder1"),
+            std::string::npos);
+}
+
 TEST_F(LogMapping, CurrentsAndCountsOfHeadersAreProposed) {
   spec = spec_of("");
   const std::string section = proposed(log_of(

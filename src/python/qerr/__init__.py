@@ -73,14 +73,23 @@ def _words(options: Mapping[str, Any], pairs: Iterable[str] = ()) -> list[str]:
     return words
 
 
-def _column(values: Any) -> Any:
-    """Calendar time as seconds after the first stamp; everything else is converted by the module, if it is no float64."""
-    if getattr(getattr(values, "dtype", None), "kind", "") != "M":
-        return values
+def _column(name: str, values: Any) -> tuple[str, Any]:
+    """A column as the module reads it, with its name: calendar time as seconds after the first stamp, durations as
+    seconds; what is masked or no time is nan. Everything else is converted by the module, if it is no float64."""
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if kind not in ("m", "M") and type(values).__name__ != "MaskedArray":
+        return name, values
     import numpy
 
-    stamps = numpy.asarray(values, dtype="M8[ns]")
-    return (stamps - stamps[:1]).astype(float) * 1e-9
+    masked, numbers = numpy.ma.getmaskarray(values), numpy.ma.getdata(values)
+    if kind in ("m", "M"):
+        times = numpy.asarray(numbers, dtype=kind + "8[ns]")
+        masked = masked | numpy.isnat(times)
+        name = name.partition("[")[0].strip() + " [s]"
+        if kind == "M" and not numpy.all(masked):
+            times = times - times[~masked][0]
+        numbers = times.astype("m8[ns]").astype(float) * 1e-9
+    return name, numpy.where(masked, numpy.nan, numpy.asarray(numbers, dtype=float))
 
 
 def _number(text: str) -> Any:
@@ -101,7 +110,7 @@ class Report:
 
     def __init__(self, command: str, words: list[str], formats: Iterable[str] = ("json", "csv"), quiet: bool = False,
                  log: Iterable[tuple[str, Any]] = (), columns: bool = False):
-        self.command, self._words, self._log = command, words, [(name, _column(values)) for name, values in log]
+        self.command, self._words, self._log = command, words, [_column(name, values) for name, values in log]
         if columns:
             ran = _qerr.run([command, *words], [], [], True)
             self.columns: dict[str, Any] = ran.columns
