@@ -15,13 +15,6 @@ namespace qerr {
 
 namespace {
 
-/// Power of two that brings a number that is not negative between 1/2 and 1; 1 for 0.
-double scale_of(double largest) {
-  int exponent = 0;
-  if (largest > 0) std::frexp(largest, &exponent);
-  return std::ldexp(1.0, -exponent);
-}
-
 /// Places in random order: what comes first is a sample, also of a grid or of Sobol's sequence.
 std::vector<std::int32_t> shuffled(std::size_t count) {
   std::vector<std::int32_t> order(count);
@@ -42,6 +35,12 @@ std::vector<std::uint64_t> ranks_of(const WantedStatistics& wanted, std::uint64_
 }
 
 }  // namespace
+
+double power_to_unit(double largest) {
+  int exponent = 0;
+  if (largest > 0) std::frexp(largest, &exponent);
+  return std::ldexp(1.0, -exponent);
+}
 
 WantedStatistics WantedStatistics::of(const std::vector<const StatisticKind*>& kinds) {
   WantedStatistics wanted{false, false, false, {}};
@@ -94,7 +93,7 @@ void ColumnStatistics::fill(std::size_t c) {
   for (std::size_t k = 0; k < count_; ++k)
     for (std::size_t i = 0; i < configurations_; ++i)
       largest = std::max(largest, std::abs(columns_.column(c, k)[i]));
-  scale_[c] = scale_of(largest);
+  scale_[c] = power_to_unit(largest);
   float* const linear = floats_.data() + 2 * c * count_ * padded_;
   float* const squared = linear + count_ * padded_;
   constant_[c] = true;

@@ -6,6 +6,7 @@
 
 #include "bound/linearization_remainder.hpp"
 #include "qerr/bound/independent_error.hpp"
+#include "qerr/bound/workspace.hpp"
 
 namespace qerr {
 
@@ -175,7 +176,6 @@ void PlannedError::set_layout(const ErrorFigures& requested, std::size_t others)
   plan_.keep_covariance = requested.covariance;
   plan_.shares = requested.shares;
   plan_.rigorous = requested.rigorous;
-  plan_.keep_columns = requested.shares || requested.rigorous || plan_.filters > 0;
   const std::size_t m = plan_.coordinates, all = m + others, entries = m * (m + 1) / 2, f = plan_.filters;
   const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
     const std::size_t first = total;

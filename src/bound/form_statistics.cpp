@@ -20,12 +20,6 @@ constexpr double deviations = 4, further = 2;
 /// Floats below the smallest normal one are rounded by less than this.
 constexpr double smallest = 0x1p-124;
 
-double power_of_two(double largest) {
-  int exponent = 0;
-  if (largest > 0) std::frexp(largest, &exponent);
-  return std::ldexp(1.0, -exponent);
-}
-
 float rounded_down(double x) { return std::nextafter(static_cast<float>(x), -infinite); }
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x), infinite); }
 
@@ -60,7 +54,7 @@ void FormStatistics::set_weights(std::span<const ColumnForm> forms) {
   const double scale = s_.scale_[coordinate_];
   for (std::size_t f = 0; f < forms.size(); ++f) {
     const double* const weights = forms[f].weights;
-    const double own = power_of_two(*std::max_element(weights, weights + s_.count_));
+    const double own = power_to_unit(*std::max_element(weights, weights + s_.count_));
     for (std::size_t k = 0; k < s_.count_; ++k)
       weights_[f * s_.count_ + k] = static_cast<float>(weights[k] * own);
     units_[f] = 1 / (own * (squared_ ? scale * scale : scale));

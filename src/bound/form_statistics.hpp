@@ -10,6 +10,9 @@
 
 namespace qerr {
 
+/// Power of two that brings a number that is not negative between 1/2 and 1; 1 for 0.
+double power_to_unit(double);
+
 /// Evaluates tiles of forms of one coordinate, and owns what that needs: one for each thread.
 class FormStatistics {
  public:

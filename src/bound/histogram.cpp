@@ -10,7 +10,6 @@ namespace {
 constexpr int octave = 52 - bin_shift;  // log2 of the bins per octave
 constexpr std::int32_t octaves_below = 40;
 constexpr std::int32_t last_bin = bin_count - 1;
-constexpr std::uint64_t most_few = std::uint64_t{1} << 31;
 
 double lower_edge(std::int32_t leading) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(leading) << bin_shift);
@@ -55,21 +54,15 @@ void Histogram::add(double value) {
 }
 
 void Histogram::add(const std::int32_t* bins, std::size_t count, std::uint64_t below, std::uint64_t between) {
-  if (added_ + count > most_few) spill();
-  added_ += count;
-  Counters* const counters = few_.data();
+  std::uint64_t* const counters = few_.data();
   const Usual usual = usual_;  // hoisted: the counters may alias it
-  const auto count_one = [&](std::size_t i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const auto bin = static_cast<std::uint32_t>(bins[i] - usual.first);
     if (bin < static_cast<std::uint32_t>(usual.count)) [[likely]]
-      ++counters[bin].in_turn[i % copies];
+      ++counters[bin];
     else
       add_unusual(bins[i]);
-  };
-  std::size_t i = 0;
-  for (; i + copies <= count; i += copies)
-    for (std::size_t k = 0; k < copies; ++k) count_one(i + k);
-  for (; i < count; ++i) count_one(i);
+  }
   below_ += below;
   between_ += between;
 }
@@ -119,21 +112,12 @@ std::uint64_t Histogram::in_the_middle() const {
 std::uint64_t Histogram::count_of(std::size_t bin) const {
   const std::int64_t of_usual = lowest_ + static_cast<std::int64_t>(bin) - usual_.first;
   const bool usual = of_usual >= 0 && of_usual < usual_.count;
-  return (usual ? few_[static_cast<std::size_t>(of_usual)].sum() : 0) + (many_.empty() ? 0 : many_[bin]);
+  return (usual ? few_[static_cast<std::size_t>(of_usual)] : 0) + (many_.empty() ? 0 : many_[bin]);
 }
 
 void Histogram::add_unusual(std::int32_t leading) {
   many_.resize(bin_count);
   ++many_[index(leading)];
-}
-
-void Histogram::spill() {
-  many_.resize(bin_count);
-  for (std::size_t i = 0; i < few_.size(); ++i) {
-    many_[index(usual_.first + static_cast<std::int32_t>(i))] += few_[i].sum();
-    few_[i] = {};
-  }
-  added_ = 0;
 }
 
 }  // namespace qerr

@@ -46,25 +46,16 @@ class Histogram {
   double order_statistic(std::uint64_t rank, double min, double max) const;
 
  private:
-  /// Counters of one bin. Consecutive values use different ones, because loading a value that was just stored
-  /// stalls.
-  static constexpr std::size_t copies = 4;
-  struct Counters {
-    std::uint32_t in_turn[copies];
-    std::uint64_t sum() const { return std::uint64_t{in_turn[0]} + in_turn[1] + in_turn[2] + in_turn[3]; }
-  };
   std::uint64_t count_of(std::size_t bin) const;
   std::size_t index(std::int32_t leading) const;
   /// Number of values in [begin, end) of the counted bins.
   std::uint64_t in_the_middle() const;
   void add_unusual(std::int32_t leading);
-  void spill();
 
   std::int32_t lowest_;
   CountedBins counted_;
   Usual usual_;
-  std::vector<Counters> few_;        // of the usual bins
-  std::uint64_t added_ = 0;          // since the last spill: a bound of all counters
+  std::vector<std::uint64_t> few_;   // of the usual bins
   std::vector<std::uint64_t> many_;  // of all bins; allocated when needed
   std::uint64_t below_ = 0, between_ = 0;
 };

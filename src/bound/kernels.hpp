@@ -49,7 +49,6 @@ struct ErrorPlan {
   bool keep_covariance;  ///< covariances are figures of every configuration
   bool shares, rigorous;
   bool quantization_parts;  ///< sum the encoders' contributions without those of sources, too
-  bool keep_columns;        ///< linear columns are needed after they have been summed
   const double* arm;        ///< [encoder]: 1/s, for its largest |dp/dx|
   /// Position: rho = remainder + sum_k per_column[k] |linear column k|; rotation: min(linear +
   /// angle_remainder, angle).

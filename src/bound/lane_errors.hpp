@@ -47,14 +47,11 @@ void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* 
   const Spreads<L> spreads = direct ? Spreads<L>{scratch.joints->column, sizeof(JointScratch<L>) / sizeof(L)}
                                     : Spreads<L>{scratch.spreads, most_coordinates};
   prepare_first_joint(plan.chain, plan.column_scale, scratch.joints);
-  MotionsAhead<L> ahead(plan.chain, q, scratch);
-  if (sums_with_columns<L, fixed, direct>) ahead.begin();
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     double* const to = figures + i;
     const CovarianceTo<L, keep_covariance> covariance(plan, to, sums);
     Errors<L> e{};
-    const Bits<L> unbounded =
-        sum_parts<L, fixed, direct>(plan, q + i, ahead, scratch, spreads, e, covariance, sums);
+    const Bits<L> unbounded = sum_parts<L, fixed, direct>(plan, q + i, scratch, spreads, e, covariance, sums);
     store_figures<L, fixed, keep_covariance>(plan, scratch, e, unbounded, to);
     if (plan.shares) add_shares<L, fixed>(plan, spreads, e, sums);
     if (plan.filters > 0) {

@@ -22,15 +22,14 @@ struct Spreads {
 /// Scratch memory of the kernel. Frames and spreads are for models that are not direct.
 template <class L>
 struct Scratch {
-  SineCosine<L>*motions, *ahead;  // [joint]: of this and of the next vector of configurations
+  SineCosine<L>* motions;  // [joint]
   JointScratch<L>* joints;
   L* frames;   // [joint][x, y, z][3]
   L* spreads;  // [part][9]
 
   Scratch(const ErrorPlan& plan, double* memory)
       : motions(reinterpret_cast<SineCosine<L>*>(memory)),
-        ahead(motions + plan.chain.count),
-        joints(reinterpret_cast<JointScratch<L>*>(ahead + plan.chain.count)),
+        joints(reinterpret_cast<JointScratch<L>*>(motions + plan.chain.count)),
         frames(reinterpret_cast<L*>(joints + plan.chain.count)),
         spreads(frames + 9 * plan.chain.count) {}
 };
@@ -39,7 +38,7 @@ struct Scratch {
 template <class L>
 std::size_t scratch(const ErrorPlan& plan) {
   return plan.chain.count * scratch_per_joint<L> +
-         (11 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
+         (9 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
 }
 
 /// Adds the linear and angular spread of a part.
@@ -228,96 +227,23 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& un
   }
 }
 
-/// Whether position and mixed sums are accumulated while the columns are computed: for a direct model, if the
-/// 32 registers of AVX-512 hold both. Together with MotionsAhead this saves 12 % of the CPU time with
-/// WorkspaceOptions::brief, 4 % of `analyze` (measured as in lane_errors.hpp).
-template <class L, std::size_t fixed, bool direct>
-constexpr bool sums_with_columns = direct&& fixed == 6 && lane_count<L> == 8;
-
-/// Consumer of columns of a direct model: adds them to the sums that include positions.
-template <class L>
-struct SumColumns {
-  StoreColumns<L> keep;
-  bool keep_columns;         ///< also store them
-  std::size_t moving_parts;  ///< the last part may rotate the tip without moving it
-  ThreeSums<L> positions = {};
-  MixedSums<L, true> mixed = {};
-
-  [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) {
-    if (keep_columns) keep.column(k, linear, angular);
-    if (k >= moving_parts) return;
-    positions.add(linear[0], linear[1], linear[2]);
-    mixed.add(linear, angular);
-  }
-};
-
-/// Computes the motions of the joints for the next vector of configurations between the steps of the forward
-/// kinematics of the current one, whose latency they hide.
-template <class L>
-class MotionsAhead {
- public:
-  MotionsAhead(const FoldedPath& chain, const double* q, const Scratch<L>& scratch)
-      : chain_(chain), now_(scratch.motions), next_(scratch.ahead), q_(q), end_(q + batch_size) {}
-
-  void begin() { compute_motions(chain_, q_, batch_size, next_); }
-
-  /// Advances by one vector.
-  /// @returns motions of the current configurations
-  [[gnu::always_inline]] const SineCosine<L>* advance() {
-    SineCosine<L>* const current = next_;
-    next_ = now_;
-    now_ = current;
-    q_ += lane_count<L>;
-    return current;
-  }
-
-  /// Computes the motion of joint k for the next vector.
-  [[gnu::always_inline]] void operator()(std::size_t k) const {
-    if (q_ != end_) compute_motion(chain_.joints[k], q_, batch_size, next_[k]);
-  }
-
- private:
-  const FoldedPath& chain_;
-  SineCosine<L>*now_, *next_;
-  const double *q_, *end_;
-};
-
-template <class L, class To>
-[[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, MotionsAhead<L>& ahead,
-                                               const Scratch<L>& scratch, const Spreads<L>& spreads,
-                                               Errors<L>& e, const To& covariance) {
-  SumColumns<L> sums{{scratch.joints}, plan.keep_columns, plan.moving_parts};
-  const SineCosine<L>* const motions = ahead.advance();
-  columns_of_motions<L>(plan.chain, plan.column_scale, motions, scratch.joints, Ignore{}, sums, ahead);
-  sums.positions.template write<0>(e, covariance);
-  sums.mixed.write(covariance);
-  sum_three<3>(spreads, plan.parts, e, covariance);
-}
-
 /// Spreads of the parts and all sums over them.
-/// @param ahead  begun, if `sums_with_columns`
 /// @returns lanes in which roll and yaw are unbounded
 template <class L, std::size_t fixed, bool direct, class To>
 [[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q,
-                                                MotionsAhead<L>& ahead, const Scratch<L>& scratch,
-                                                const Spreads<L>& spreads, Errors<L>& e, const To& covariance,
-                                                double* sums) {
-  if constexpr (sums_with_columns<L, fixed, direct>) {
-    sum_columns(plan, ahead, scratch, spreads, e, covariance);
-    return Bits<L>{};
+                                                const Scratch<L>& scratch, const Spreads<L>& spreads,
+                                                Errors<L>& e, const To& covariance, double* sums) {
+  const Bits<L> unbounded = spread<L, direct>(plan, q, scratch, sums);
+  if constexpr (fixed == 0) {
+    sum_any(plan, spreads, unbounded, e, covariance);
   } else {
-    const Bits<L> unbounded = spread<L, direct>(plan, q, scratch, sums);
-    if constexpr (fixed == 0) {
-      sum_any(plan, spreads, unbounded, e, covariance);
-    } else {
-      sum_three<0>(spreads, plan.moving_parts, e, covariance);
-      if constexpr (fixed > 3) {
-        sum_three<3>(spreads, plan.parts, e, covariance);
-        sum_mixed<direct>(spreads, plan.moving_parts, covariance);
-      }
+    sum_three<0>(spreads, plan.moving_parts, e, covariance);
+    if constexpr (fixed > 3) {
+      sum_three<3>(spreads, plan.parts, e, covariance);
+      sum_mixed<direct>(spreads, plan.moving_parts, covariance);
     }
-    return unbounded;
   }
+  return unbounded;
 }
 
 template <class L>

@@ -196,6 +196,19 @@ LimitTest compare_with_limit(const ChoiceFigure& figure, const SumWeights& weigh
 
 namespace {
 
+/// The largest of the sums at a configuration, and its value.
+std::pair<std::size_t, double> largest_sum(const ChoiceFigure& figure, const SumWeights& weights,
+                                           std::size_t configuration) {
+  std::pair<std::size_t, double> largest{0, 0};
+  for (std::size_t s = 0; s < figure.sums.size(); ++s) {
+    double sum = figure.sums[s].added;
+    for (std::size_t k = 0; k < weights[s].size(); ++k)
+      sum += weights[s][k] * figure.sums[s].columns[k].coefficients[configuration];
+    if (s == 0 || sum > largest.second) largest = {s, sum};
+  }
+  return largest;
+}
+
 void add_part(ChoiceCut& cut, const std::vector<std::size_t>& offsets, const WeightedColumn& column,
               double coefficient, bool of_sigma) {
   for (std::size_t o = 0; o < column.weights.size(); ++o)
@@ -214,17 +227,7 @@ ChoiceCut tangent_of_mean(const ChoiceFigure& figure, std::size_t index, const C
   std::vector<double> of_added(figure.sums.size());
   const double part = 1 / static_cast<double>(problem.configurations);
   for (std::size_t i = 0; i < problem.configurations; ++i) {
-    std::size_t largest = 0;
-    double value = -1;
-    for (std::size_t s = 0; s < figure.sums.size(); ++s) {
-      double sum = figure.sums[s].added;
-      for (std::size_t k = 0; k < weights[s].size(); ++k)
-        sum += weights[s][k] * figure.sums[s].columns[k].coefficients[i];
-      if (s == 0 || sum > value) {
-        largest = s;
-        value = sum;
-      }
-    }
+    const auto [largest, value] = largest_sum(figure, weights, i);
     if (figure.root && !(value > 0)) continue;
     const double slope = figure.root ? part / std::sqrt(value) : part;
     of_added[largest] += slope;
@@ -244,17 +247,7 @@ ChoiceCut tangent_of_mean(const ChoiceFigure& figure, std::size_t index, const C
 ChoiceCut cut_at_configuration(const ChoiceFigure& figure, std::size_t index, const ChoiceProblem& problem,
                                const SumWeights& weights, std::size_t configuration) {
   const std::vector<std::size_t> offsets = option_offsets(problem);
-  std::size_t largest = 0;
-  double value = 0;
-  for (std::size_t s = 0; s < figure.sums.size(); ++s) {
-    double sum = figure.sums[s].added;
-    for (std::size_t k = 0; k < weights[s].size(); ++k)
-      sum += weights[s][k] * figure.sums[s].columns[k].coefficients[configuration];
-    if (s == 0 || sum > value) {
-      largest = s;
-      value = sum;
-    }
-  }
+  const std::size_t largest = largest_sum(figure, weights, configuration).first;
   ChoiceCut cut{index, std::vector<double>(offsets.back()), figure.sums[largest].added, figure.root};
   for (const WeightedColumn& column : figure.sums[largest].columns)
     add_part(cut, offsets, column, column.coefficients[configuration], false);

@@ -59,25 +59,22 @@ template <class L, class C>
   });
 }
 
-/// The motion of a joint: sine and cosine of its rotation, or its translation in place of the sine.
+/// Motions of all joints: sine and cosine of a rotation, or the translation in place of the sine. Computed
+/// before the recursion along the chain because they are independent of each other.
 ///
 /// @param q  independent joint i at q + i * stride [rad or m]
 template <class L>
-[[gnu::always_inline]] inline void compute_motion(const FoldedJoint& joint, const double* q,
-                                                  std::size_t stride, SineCosine<L>& to) {
-  const L coordinate = load<L>(q + joint.coordinate * stride);
-  if (joint.prismatic)
-    to.sine = fma(joint.multiplier, coordinate, broadcast<L>(joint.offset));
-  else if (joint.rotates)
-    to = sincos_of_quarters(fma(joint.quarter_multiplier, coordinate, broadcast<L>(joint.quarter_offset)));
-}
-
-/// Motions of all joints. Computed before the recursion along the chain because they are independent of each
-/// other.
-template <class L>
 [[gnu::always_inline]] inline void compute_motions(const FoldedPath& chain, const double* q,
                                                    std::size_t stride, SineCosine<L>* to) {
-  for (std::size_t k = 0; k < chain.count; ++k) compute_motion(chain.joints[k], q, stride, to[k]);
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    const FoldedJoint& joint = chain.joints[k];
+    const L coordinate = load<L>(q + joint.coordinate * stride);
+    if (joint.prismatic)
+      to[k].sine = fma(joint.multiplier, coordinate, broadcast<L>(joint.offset));
+    else if (joint.rotates)
+      to[k] =
+          sincos_of_quarters(fma(joint.quarter_multiplier, coordinate, broadcast<L>(joint.quarter_offset)));
+  }
 }
 
 /// Forward kinematics of a folded chain, one configuration per lane.
@@ -137,7 +134,6 @@ template <class L>
 struct Ignore {
   template <class L>
   [[gnu::always_inline]] void operator()(std::size_t, const Frame<L>&) const {}
-  [[gnu::always_inline]] void operator()(std::size_t) const {}
 };
 
 /// Intermediate results of one moving joint; the caller of a kernel allocates one per joint of the chain.
@@ -164,20 +160,16 @@ template <class L>
 /// @param after        as of `walk_motions`
 /// @param consumer     receives `column(k, linear, angular)` of every moving joint; angular is also stored in
 /// joints[k].column
-/// @param interleaved  called with k before every joint: independent work that hides the latency of the
-/// recursion
 /// @returns as `walk_motions`
 /// @pre `prepare_first_joint` has been called, once for all configurations
-template <class L, class After, class Consumer, class Interleaved = Ignore>
+template <class L, class After, class Consumer>
 [[gnu::always_inline]] inline Frame<L> columns_of_motions(const FoldedPath& chain, const double* scale,
                                                           const SineCosine<L>* motions,
                                                           JointScratch<L>* joints, After after,
-                                                          Consumer&& consumer,
-                                                          const Interleaved& interleaved = {}) {
+                                                          Consumer&& consumer) {
   const Frame<L> tip = walk_motions<L>(
       chain, motions,
       [&](std::size_t k, const Frame<L>& f) {
-        interleaved(k);
         if (k == 0 && !chain.joints[0].prismatic) return;  // stored by `prepare_first_joint`
         each_of_three([&](int i) __attribute__((always_inline)) {
           joints[k].column[3 + i] = scale ? scale[k] * f.z[i] : f.z[i];

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/search.hpp"
+
 namespace qerr {
 
 std::vector<Action> disc_actions(const std::vector<Effect>& effects, const Encoder& encoder,
@@ -39,11 +41,8 @@ const std::vector<Edge>& EdgeFinder::until(double time) {
     const double from = now_, to = std::min(time, from + path_.step);
     const double next = path_.velocity(to);
     if (velocity_ * next < 0) {
-      double before = from, after = to;
-      for (int i = 0; i < 60; ++i) {
-        const double middle = 0.5 * (before + after);
-        (path_.velocity(middle) * velocity_ > 0 ? before : after) = middle;
-      }
+      const double before =
+          bisect({from, to}, 60, [&](double t) { return path_.velocity(t) * velocity_ > 0; }).holds;
       cross(from, before);
       cross(before, to);
     } else {

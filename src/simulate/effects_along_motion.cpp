@@ -66,7 +66,7 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
   };
   bool first = true;
   record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-    errors(batch, {});
+    errors(batch);
     for (std::size_t k = 0; k < used.size(); ++k) {
       std::copy_n(errors.rows() + used[k] * errors.width(), m, rows.data() + k * width);
       if (model.signals.empty()) continue;

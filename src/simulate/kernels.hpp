@@ -70,8 +70,7 @@ struct PathErrorPlan {
   std::size_t width;          ///< of a row: the number of channels, padded to whole lanes
 };
 
-/// Sums of channels about their first values, which avoids cancellation. One number for each channel; if
-/// lanes are instants, sum, squares and peak have one vector for each channel.
+/// Sums of channels about their first values, which avoids cancellation: one number for each channel.
 struct ChannelTally {
   double *shift, *sum, *squares, *peak;
 };
@@ -98,47 +97,12 @@ struct PathErrorBatch {
   const double *encoder, *measured;              ///< true and measured
   const double* path_sines;                      ///< of the path shared by all runs, from `sines`; or null
   const Displacement* turns;                     ///< [moving joint]: of this run from that path
-  double* rows;  ///< [instant][width]: error, linear part, contributions of the encoders, mean; or null
-  const ChannelTally* tally;  ///< of those channels (instants as lanes), with the peak of the error; or null
-  bool fresh;                 ///< the tally is empty: its shifts are to be set
-  bool bounds_only;           ///< compute only `rigorous` and `deviation` of the outputs
-  bool each;                  ///< compute the variance of each instant instead of its sum over the batch
-  double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders; or a vector of sums
-  double* rigorous;           ///< [coordinate]: largest bound so far
-  double* deviation;          ///< [coordinate]: the same of the difference from the mean at the centre
+  double* rows;       ///< [instant][width]: error, linear part, contributions of the encoders, mean
+  double* variance;   ///< [coordinate][instant]: sum of (J C Delta)^2 over the encoders
+  double* rigorous;   ///< [coordinate]: largest bound so far
+  double* deviation;  ///< [coordinate]: the same of the difference from the mean at the centre
   double* scratch;
 };
-
-/// A section with the output as a sum of its states (FusedFilter):
-///
-///     first    s' = x + e s          y = s' + a s
-///     rise     the same              y = s' - s
-///     lag      the same              y = s'
-///     second   s' = x + e s - k r    y = s' + a s + b r    r' = r + s'
-///     low      the same              y = (s' - s)/4 + r
-struct FusedSection {
-  enum class Kind { none, first, rise, lag, second, low };
-  Kind kind;
-  double e, k, a, b;
-};
-
-/// Differences of successive inputs, then one or two sections.
-struct FusedPlan {
-  int differences;
-  FusedSection sections[2];  ///< the second may be Kind::none
-};
-
-/// Whether there is a kernel for these differences and sections.
-constexpr bool is_fusible(int differences, FusedSection::Kind one, FusedSection::Kind two) {
-  if (differences > 2) return false;
-  if (one == FusedSection::Kind::first)
-    return two == FusedSection::Kind::second ||
-           (differences == 0 && (two == FusedSection::Kind::none || two == one));
-  if (one == FusedSection::Kind::rise) return differences == 0 && two == FusedSection::Kind::lag;
-  if (one == FusedSection::Kind::low) return two == one;
-  return one == FusedSection::Kind::second &&
-         (two == FusedSection::Kind::none || (differences == 0 && two == one));
-}
 
 struct SimulationKernels {
   std::size_t lanes;
@@ -158,18 +122,10 @@ struct SimulationKernels {
   /// joint and instant: [vector of instants][joint].
   void (*sines)(const FoldedPath&, const double* joint, double* out);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
-  /// The sum of the numbers first .. last - 1 of a row.
-  double (*sum_between)(const double* row, std::size_t first, std::size_t last);
   /// @param peaks  number of channels whose peak is computed
   /// @param fresh  the tally is empty
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 bool fresh, const ChannelTally&);
-  /// Filters rows and adds the outputs to the tally.
-  /// @pre `is_fusible` of its differences and sections
-  /// @param state  [section][s, r][width], then [difference][width]
-  void (*filter_and_tally)(const FusedPlan&, const double* in, std::size_t stride, std::size_t rows,
-                           std::size_t width, std::size_t peaks, bool fresh, double* state,
-                           const ChannelTally&);
 };
 
 }  // namespace qerr

@@ -365,7 +365,6 @@ template <class L>
   if (p.mixed || changes_columns(p)) mix_columns(p, i, scratch);
   if (p.angles) add_angle_rates(p, modelled, i, scratch);
   if (p.tip_frame) resolve_columns(p, axes_of(modelled, p.chain.tip_axes), i, scratch);
-  if (b.bounds_only) return;
   const bool near = move_to_estimate(p.chain, b.joint + at, b.estimate + at, scratch.moved);
   if (!near) compute_motions(p.chain, b.estimate + at, batch_size, scratch.moved);
   const Frame<L> estimate = walk_motions<L>(p.chain, scratch.moved, Ignore{}, Ignore{});

@@ -1,5 +1,4 @@
 #include "lanes/compiled_set.hpp"
-#include "simulate/lane_fused_filter.hpp"
 #include "simulate/lane_linear.hpp"
 
 namespace qerr::lanes {
@@ -123,6 +122,47 @@ bool within(const double* row, double factor, double limit) {
   return !any<L>(~inside);
 }
 
+/// `group` vectors of channels, whose sums stay in registers.
+template <class L, int group, bool peaks>
+[[gnu::always_inline]] inline void tally_on(const double* in, std::size_t stride, std::size_t rows,
+                                            std::size_t c, bool fresh, const ChannelTally& t) {
+  L shift[group], sum[group], squares[group], peak[group];
+#pragma GCC unroll 8
+  for (int g = 0; g < group; ++g) {
+    const std::size_t at = c + g * lane_count<L>;
+    if (fresh) store(t.shift + at, load<L>(in + at));
+    shift[g] = load<L>(t.shift + at);
+    sum[g] = load<L>(t.sum + at);
+    squares[g] = load<L>(t.squares + at);
+    peak[g] = peaks ? load<L>(t.peak + at) : L{};
+  }
+  for (std::size_t row = 0; row < rows; ++row) {
+#pragma GCC unroll 8
+    for (int g = 0; g < group; ++g) {
+      const L value = load<L>(in + row * stride + c + g * lane_count<L>), deviation = value - shift[g];
+      sum[g] += deviation;
+      squares[g] = fma(deviation, deviation, squares[g]);
+      if constexpr (peaks) peak[g] = max(abs(value), peak[g]);
+    }
+  }
+#pragma GCC unroll 8
+  for (int g = 0; g < group; ++g) {
+    const std::size_t at = c + g * lane_count<L>;
+    store(t.sum + at, sum[g]);
+    store(t.squares + at, squares[g]);
+    if constexpr (peaks) store(t.peak + at, peak[g]);
+  }
+}
+
+template <class L>
+void tally(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
+           bool fresh, const ChannelTally& t) {
+  in_groups<4, L>(0, width, [&]<int group>(std::size_t c) {
+    c < peaks ? tally_on<L, group, true>(in, stride, rows, c, fresh, t)
+              : tally_on<L, group, false>(in, stride, rows, c, fresh, t);
+  });
+}
+
 }  // namespace
 }  // namespace qerr::lanes
 
@@ -132,13 +172,12 @@ template <>
 const SimulationKernels& compiled_kernels<SimulationKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr SimulationKernels kernels{lane_count<L>,      errors_scratch_size<L>,
-                                             times<L>,           positions<L>,
-                                             displace<L>,        mix<L>,
-                                             quantize<L>,        within<L>,
-                                             sines<L>,           errors<L>,
-                                             sum_between<L>,     tally<L>,
-                                             filter_and_tally<L>};
+  static constexpr SimulationKernels kernels{lane_count<L>, errors_scratch_size<L>,
+                                             times<L>,      positions<L>,
+                                             displace<L>,   mix<L>,
+                                             quantize<L>,   within<L>,
+                                             sines<L>,      errors<L>,
+                                             tally<L>};
   return kernels;
 }
 

@@ -13,153 +13,42 @@ namespace qerr::lanes {
 
 namespace {
 
-/// Requested outputs of a batch as compile-time constants, which remove unused operations.
-template <bool rows_, bool each_>
-struct Wanted {
-  static constexpr bool rows = rows_;  ///< PathErrorBatch::rows may be requested; otherwise only a tally
-  static constexpr bool each = each_;  ///< PathErrorBatch::each
-};
-
-/// Adds differences of a channel from its shift at these instants to the tally.
+/// Stores a channel at these instants for the rows.
 template <class L>
-[[gnu::always_inline]] inline void add_differences(const ChannelTally& t, std::size_t channel,
-                                                   const L (&difference)[depth]) {
-  constexpr auto lanes = lane_count<L>;
-  L sum = load<L>(t.sum + channel * lanes), squares = load<L>(t.squares + channel * lanes);
+[[gnu::always_inline]] inline void set_channel(const ErrorScratch<L>& scratch, std::size_t channel,
+                                               const L (&value)[depth]) {
 #pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) {
-    sum += difference[i];
-    squares = fma(difference[i], difference[i], squares);
-  }
-  store(t.sum + channel * lanes, sum);
-  store(t.squares + channel * lanes, squares);
-}
-
-/// Adds a channel at these instants to the tally and stores it for the rows.
-template <class L>
-[[gnu::always_inline]] inline void add_channel(const PathErrorBatch& b, const ErrorScratch<L>& scratch,
-                                               std::size_t channel, bool fresh, const L (&value)[depth]) {
-  if (b.rows) {
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) scratch.channels[depth * channel + i] = value[i];
-  }
-  if (!b.tally) return;
-  if (fresh) b.tally->shift[channel] = value[0][0];
-  const L shift = broadcast<L>(b.tally->shift[channel]);
-  L difference[depth];
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) difference[i] = value[i] - shift;
-  add_differences(*b.tally, channel, difference);
-}
-
-template <class L>
-[[gnu::always_inline]] inline void add_peak(const ChannelTally& t, std::size_t channel,
-                                            const L (&value)[depth]) {
-  L peak = load<L>(t.peak + channel * lane_count<L>);
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) peak = max(abs(value[i]), peak);
-  store(t.peak + channel * lane_count<L>, peak);
+  for (std::size_t i = 0; i < depth; ++i) scratch.channels[depth * channel + i] = value[i];
 }
 
 /// Linear error of one coordinate at these instants: sums over the encoders.
 template <class L>
 struct Linear {
-  L error[depth];  ///< without rows: minus the shifts of its contributions
-  L sizes[depth];
-  L squares[depth];  ///< if only their sum over the instants is requested: in the first vector
+  L error[depth], sizes[depth], squares[depth];
 };
 
-/// Adds (J C Delta)^2 of one encoder.
-template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_squares(const L (&weighted)[depth], Linear<L>& all) {
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) {
-    L& sum = all.squares[Wanted::each ? i : 0];
-    sum = fma(weighted[i], weighted[i], sum);
-  }
-}
-
-/// Adds the contribution of one encoder to a coordinate.
-template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_contribution(const PathErrorPlan& p, const PathErrorBatch& b,
-                                                    std::size_t c, std::size_t e, bool fresh,
-                                                    const ErrorScratch<L>& scratch,
-                                                    const L (&weighted)[depth], Linear<L>& all) {
-  const L* const residual_counts = scratch.residual_counts + depth * e;
-  const std::size_t channel = p.coordinates * (2 + e) + c;
-  if constexpr (Wanted::rows) {
-    L part[depth];
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) {
-      part[i] = weighted[i] * residual_counts[i];
-      all.error[i] += part[i];
-    }
-    add_channel(b, scratch, channel, fresh, part);
-  } else {
-    // The difference from the shift by one fused operation, which balances multiplication and addition units.
-    double& first = b.tally->shift[channel];
-    if (fresh) first = weighted[0][0] * residual_counts[0][0];
-    const L shift = broadcast<L>(first);
-    L difference[depth];
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) {
-      difference[i] = fma(weighted[i], residual_counts[i], -shift);
-      all.error[i] += difference[i];
-    }
-    add_differences(*b.tally, channel, difference);
-  }
-}
-
-template <bool bounded, class Wanted, class L>
-[[gnu::always_inline]] inline Linear<L> linear_errors(const PathErrorPlan& p, const PathErrorBatch& b,
-                                                      std::size_t c, std::size_t at,
+/// @param bounded  no lane is at the gimbal lock
+template <class L>
+[[gnu::always_inline]] inline Linear<L> linear_errors(const PathErrorPlan& p, std::size_t c, bool bounded,
                                                       const ErrorScratch<L>& scratch) {
   Linear<L> all{};
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const L* const column = column_of(scratch, e) + p.rows[c];
-    L weighted[depth];
+    const L* const residual_counts = scratch.residual_counts + depth * e;
+    L part[depth];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < depth; ++i) {
-      weighted[i] = column[i * next_vector(scratch)];
-      if (!bounded) weighted[i] = scratch.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted[i];
-      all.sizes[i] += abs(weighted[i]);
+      L weighted = column[i * next_vector(scratch)];
+      if (!bounded) weighted = scratch.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted;
+      part[i] = weighted * residual_counts[i];
+      all.error[i] += part[i];
+      all.sizes[i] += abs(weighted);
+      all.squares[i] = fma(weighted, weighted, all.squares[i]);
     }
-    add_contribution<Wanted>(p, b, c, e, b.fresh && at == 0, scratch, weighted, all);
-    add_squares<Wanted>(weighted, all);
+    set_channel(scratch, p.coordinates * (2 + e) + c, part);
   }
   return all;
 }
-
-/// Adds the sum of all contributions to a coordinate, and that of their squares.
-template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_linear(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t c,
-                                              std::size_t at, const ErrorScratch<L>& scratch,
-                                              const Linear<L>& linear) {
-  const std::size_t channel = p.coordinates + c;
-  if constexpr (Wanted::rows) {
-    add_channel(b, scratch, channel, b.fresh && at == 0, linear.error);
-  } else {
-    if (b.fresh && at == 0) {
-      double& shift = b.tally->shift[channel] = 0;
-      for (std::size_t e = 0; e < p.encoders; ++e) shift += b.tally->shift[p.coordinates * (2 + e) + c];
-    }
-    add_differences(*b.tally, channel, linear.error);
-  }
-  if constexpr (Wanted::each) {
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i)
-      store(b.variance + c * batch_size + at + i * lane_count<L>, linear.squares[i]);
-  } else {
-    double* const to = b.variance + c * batch_size;
-    store(to, at == 0 ? linear.squares[0] : load<L>(to) + linear.squares[0]);
-  }
-}
-
-}  // namespace
-
-// Transposes numbers of many instants from channels into rows, and sums them.
-
-namespace {
 
 /// One step of transposing a square of lanes: exchanges blocks of rows `a` and `b`, which are `distance`
 /// apart.
@@ -194,23 +83,6 @@ template <class L>
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < n; ++i) store(rows + i * width + c, square[i]);
   }
-}
-
-template <class L>
-[[gnu::always_inline]] inline double sum_of(const L& lanes) {
-  double sum = 0;
-  for (std::size_t i = 0; i < lane_count<L>; ++i) sum += lanes[i];
-  return sum;
-}
-
-template <class L>
-double sum_between(const double* row, std::size_t first, std::size_t last) {
-  constexpr auto lanes = lane_count<L>;
-  L sum{};
-  for (; first + lanes <= last; first += lanes) sum += load<L>(row + first);
-  double all = sum_of(sum);
-  for (; first < last; ++first) all += row[first];
-  return all;
 }
 
 /// The mean error of a coordinate at the i-th vector of instants; adds the contributions of the mean and of
@@ -254,17 +126,17 @@ template <class L>
 /// Mean and bounds of a coordinate along the path.
 template <class L>
 [[gnu::always_inline]] inline void bound_errors(const PathErrorPlan& p, const PathErrorBatch& b,
-                                                std::size_t c, std::size_t at, const Linear<L>& linear,
+                                                std::size_t c, const L (&sizes)[depth],
                                                 const ErrorScratch<L>& scratch) {
   L mean[depth], largest{}, farthest{};
 #pragma GCC unroll 4
   for (std::size_t i = 0; i < depth; ++i) {
-    L worst = 0.5 * linear.sizes[i];
+    L worst = 0.5 * sizes[i];
     mean[i] = mean_error(p, c, i, scratch, worst);
     largest = max(largest, worst);
     farthest = max(farthest, worst - abs(mean[i]) + abs(mean[i] - p.center_mean[c]));
   }
-  if (p.biased) add_channel(b, scratch, p.coordinates * (2 + p.encoders) + c, b.fresh && at == 0, mean);
+  if (p.biased) set_channel(scratch, p.coordinates * (2 + p.encoders) + c, mean);
   if (p.rows[c] >= 6) return;
   const double most = p.rows[c] < 3 ? p.largest_remainder : p.rotation;
   // New maxima are rare; skip the square roots of the remainder otherwise.
@@ -279,43 +151,23 @@ template <class L>
                             (scratch.unbounded[2] | scratch.unbounded[3]));
 }
 
-/// Computes all channels of one coordinate at `depth` vectors of instants from `at`.
-template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_coordinate(const PathErrorPlan& p, const PathErrorBatch& b,
-                                                  std::size_t c, std::size_t at, bool unbounded,
-                                                  const ErrorScratch<L>& scratch) {
-  const auto row = static_cast<std::size_t>(p.rows[c]);
-  L exact[depth];
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) exact[i] = scratch.pose[depth * row + i];
-  add_channel(b, scratch, c, b.fresh && at == 0, exact);
-  if (b.tally) add_peak(*b.tally, c, exact);
-  const bool bounded = !unbounded || row < 6;
-  const Linear<L> linear = bounded ? linear_errors<true, Wanted>(p, b, c, at, scratch)
-                                   : linear_errors<false, Wanted>(p, b, c, at, scratch);
-  add_linear<Wanted>(p, b, c, at, scratch, linear);
-  bound_errors(p, b, c, at, linear, scratch);
-}
-
-template <class Wanted, class L>
-[[gnu::noinline]] void add_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
+/// Computes all channels of all coordinates at `depth` vectors of instants from `at`.
+template <class L>
+[[gnu::noinline]] void set_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
                                        const ErrorScratch<L>& scratch) {
   const bool unbounded = any_unbounded(p, scratch);
-  for (std::size_t c = 0; c < p.coordinates; ++c) add_coordinate<Wanted>(p, b, c, at, unbounded, scratch);
-}
-
-/// Computes the bounds only.
-template <class L>
-[[gnu::noinline]] void bound_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
-                                         const ErrorScratch<L>& scratch) {
   for (std::size_t c = 0; c < p.coordinates; ++c) {
-    Linear<L> linear{};
-    for (std::size_t e = 0; e < p.encoders; ++e) {
-      const L* const column = column_of(scratch, e) + p.rows[c];
+    const auto row = static_cast<std::size_t>(p.rows[c]);
+    L exact[depth];
 #pragma GCC unroll 4
-      for (std::size_t i = 0; i < depth; ++i) linear.sizes[i] += abs(column[i * next_vector(scratch)]);
-    }
-    bound_errors(p, b, c, at, linear, scratch);
+    for (std::size_t i = 0; i < depth; ++i) exact[i] = scratch.pose[depth * row + i];
+    set_channel(scratch, c, exact);
+    const Linear<L> linear = linear_errors(p, c, !unbounded || row < 6, scratch);
+    set_channel(scratch, p.coordinates + c, linear.error);
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < depth; ++i)
+      store(b.variance + c * batch_size + at + i * lane_count<L>, linear.squares[i]);
+    bound_errors(p, b, c, linear.sizes, scratch);
   }
 }
 
@@ -326,16 +178,10 @@ void errors(const PathErrorPlan& p, const PathErrorBatch& b) {
   constexpr auto lanes = lane_count<L>;
   const ErrorScratch<L> scratch = scratch_of<L>(p, b.scratch);
   begin_errors(p, scratch);
-  const bool tally_only = b.tally && !b.rows;
-  auto* const add = b.bounds_only ? bound_coordinates<L>
-                    : tally_only  ? b.each ? add_coordinates<Wanted<false, true>, L>
-                                           : add_coordinates<Wanted<false, false>, L>
-                     : b.each ? add_coordinates<Wanted<true, true>, L>
-                                  : add_coordinates<Wanted<true, false>, L>;
   for (std::size_t at = 0; at < batch_size; at += depth * lanes) {
     for (std::size_t i = 0; i < depth; ++i) move_tip(p, b, at + i * lanes, i, scratch);
-    add(p, b, at, scratch);
-    for (std::size_t i = 0; b.rows && i < depth; ++i)
+    set_coordinates(p, b, at, scratch);
+    for (std::size_t i = 0; i < depth; ++i)
       into_rows<L>(reinterpret_cast<const double*>(scratch.channels + i), depth * lanes, p.width,
                    b.rows + (at + i * lanes) * p.width);
   }

@@ -108,11 +108,8 @@ bool PathErrors::displace(const double* shift) {
   return true;
 }
 
-void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
+void PathErrors::operator()(const SensedBatch& b) {
   const bool near_path = shared_ && displace(b.shift);
-  RunStatistics::Place place{};
-  if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
-  each_ = wanted.each;
   PathErrorBatch batch{b.joint,
                        b.joint,
                        b.estimate,
@@ -120,11 +117,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        b.measured,
                        near_path ? path_sines_.data() : nullptr,
                        displacements_.data(),
-                       wanted.rows ? rows_.data() : nullptr,
-                       place.tally,
-                       place.fresh,
-                       !wanted.rows && !wanted.statistics,
-                       each_,
+                       rows_.data(),
                        variance_.data(),
                        rigorous_.data(),
                        deviation_.data(),

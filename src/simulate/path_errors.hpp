@@ -40,18 +40,11 @@ class PathErrors {
   PathErrors(const OperationalModel&, const Chain& built, const Eigen::VectorXd& center_mean,
              InstructionSet = instruction_set());
 
-  struct Wanted {
-    bool rows = true;
-    RunStatistics* statistics = nullptr;  ///< if set, all instants are added to it, in `block`
-    std::uint64_t block = 0;
-    bool each = true;  ///< compute the variance of every instant, not only that of the batch
-  };
-
   /// Computes the quantities that several runs along this path share, valid until the next call.
   void share(const PathBatch&);
 
   /// @pre the batch is full; after the end of a motion its last instant is repeated
-  void operator()(const SensedBatch&, const Wanted&);
+  void operator()(const SensedBatch&);
 
   /// Width of a row: the number of channels, padded to whole lanes.
   std::size_t width() const { return plan_.width; }
@@ -59,13 +52,10 @@ class PathErrors {
   const double* rows() const { return rows_.data(); }
 
   /// The sum over the instants first .. last - 1 of the last batch, and over all encoders, of (J C Delta)^2.
-  /// @pre they are the whole batch, or `Wanted::each` was set
   double variance(Eigen::Index coordinate, std::size_t first, std::size_t last) const {
     const double* const values = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
-    return each_ ? kernels_.sum_between(values, first, last)
-                 : kernels_.sum_between(values, 0, kernels_.lanes);
+    return Eigen::Map<const Eigen::ArrayXd>(values + first, static_cast<Eigen::Index>(last - first)).sum();
   }
-
   /// Largest bounds over all batches so far: of the error, and of its difference from the mean at the centre.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }
   Eigen::VectorXd deviation() const { return largest(deviation_); }
@@ -91,7 +81,7 @@ class PathErrors {
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
   PathErrorPlan plan_{};
-  bool shared_ = false, each_ = true;
+  bool shared_ = false;
   AlignedNumbers path_sines_;
   std::vector<Displacement> displacements_;
   AlignedNumbers rows_, variance_, rigorous_, deviation_, scratch_;

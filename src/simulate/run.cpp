@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "core/random.hpp"
-#include "simulate/error_tracer.hpp"
-#include "simulate/fused_filter.hpp"
+#include "filter/run/row_filter.hpp"
+#include "lanes/batch.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/path_errors.hpp"
 
@@ -98,8 +99,73 @@ void find_blocks(const Job& job, std::uint64_t first, std::size_t count, std::ve
   }
 }
 
-bool is_whole_batch(const std::vector<Part>& parts) {
-  return parts.size() == 1 && parts[0].from == 0 && parts[0].to == batch_size;
+/// Keeps the errors of a run in its first samples behind the settling.
+class ErrorTracer {
+ public:
+  /// @param width  of a row of channels, of which the first ones are the exact errors of the coordinates
+  ErrorTracer(const Job&, Eigen::Index coordinates, std::size_t width);
+
+  /// @param rows  channels of samples first .. first + count - 1, at most batch_size
+  /// @pre called for all samples, in order
+  void add(const double* rows, std::uint64_t first, std::size_t count);
+
+  std::vector<ErrorTrace> traces() && { return std::move(traces_); }
+  const std::vector<ErrorTrace>& traces() const& { return traces_; }
+
+ private:
+  struct Filtered {
+    RowFilter filter;
+    std::uint64_t every;
+  };
+  void keep(std::size_t output, const double* row);
+
+  std::size_t width_;
+  std::uint64_t settling_,
+      end_;  // samples of the motion: the first one that is kept, and the one after the last
+  std::vector<Filtered> filters_;
+  AlignedNumbers filtered_;
+  std::vector<ErrorTrace> traces_;
+};
+
+ErrorTracer::ErrorTracer(const Job& job, Eigen::Index coordinates, std::size_t width)
+    : width_(width),
+      settling_(job.settling),
+      end_(std::min(job.samples, job.settling + job.options.traced)),
+      filtered_(width * batch_size) {
+  const auto add_trace = [&](std::uint64_t every) {
+    const double rate = job.motion.sample_rate;
+    const std::uint64_t first = (settling_ + every - 1) / every * every;
+    traces_.push_back({static_cast<double>(first) / rate, rate / static_cast<double>(every),
+                       std::vector<std::vector<double>>(static_cast<std::size_t>(coordinates))});
+  };
+  add_trace(1);
+  for (std::size_t f = 0; f < job.filters.size(); ++f) {
+    filters_.push_back(
+        {RowFilter(job.filters[f], width, batch_size, job.options.instructions), job.every[f]});
+    add_trace(job.every[f]);
+  }
+}
+
+void ErrorTracer::keep(std::size_t output, const double* row) {
+  for (std::size_t c = 0; c < traces_[output].error.size(); ++c) traces_[output].error[c].push_back(row[c]);
+}
+
+void ErrorTracer::add(const double* rows, std::uint64_t first, std::size_t count) {
+  if (first >= end_) return;
+  count = static_cast<std::size_t>(std::min<std::uint64_t>(count, end_ - first));
+  for (std::size_t i = 0; i < count; ++i)
+    if (first + i >= settling_) keep(0, rows + i * width_);
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    auto& [filter, every] = filters_[f];
+    // As in the simulation: the first error is assumed before the start.
+    if (first == 0) filter.settle(rows);
+    const std::uint64_t start = (first + every - 1) / every * every - first;
+    if (start >= count) continue;
+    const auto used = static_cast<std::size_t>((count - 1 - start) / every + 1);
+    filter(rows + start * width_, every * width_, used, filtered_.data());
+    for (std::size_t i = 0; i < used; ++i)
+      if (first + start + i * every >= settling_) keep(f + 1, filtered_.data() + i * width_);
+  }
 }
 
 class Runs {
@@ -109,7 +175,7 @@ class Runs {
         channels_(job.model),
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
-        thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
+        filtered_(rows_at_once * errors_.width()) {
     if (first == 0 && job.options.traced > 0) tracer_.emplace(job, channels_.coordinates, errors_.width());
     const SimulationKernels& kernels = select_kernels<SimulationKernels>(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
@@ -122,7 +188,7 @@ class Runs {
               {},
               {}});
       for (const Filter& filter : job.filters)
-        run.filters.emplace_back(filter, errors_.width(), job.options.instructions);
+        run.filters.emplace_back(filter, errors_.width(), rows_at_once, job.options.instructions);
       for (std::size_t f = 0; f <= job.filters.size(); ++f)
         run.outputs.emplace_back(channels_.count(), channels_.coordinates, errors_.width(), job.blocks,
                                  kernels);
@@ -149,10 +215,13 @@ class Runs {
   }
 
  private:
+  /// Rows per call of a filter: they stay in the first-level cache from section to section.
+  static constexpr std::size_t rows_at_once = 16;
+
   struct Run {
     Sensing sensing;
     bool visited;
-    std::vector<FusedFilter> filters;
+    std::vector<RowFilter> filters;
     std::vector<RunStatistics> outputs;
   };
 
@@ -161,20 +230,17 @@ class Runs {
     const std::uint64_t first = path_.first();
     const SensedBatch& sensed = run.sensing.sense(path_);
     for (std::size_t i = 0; run.visited && i < path_.count(); ++i) job_.options.visit(run.sensing.reading(i));
-    const bool in_lanes = is_whole_batch(blocks_), in_rows = !in_lanes && !blocks_.empty();
     const bool traced = tracer_ && &run == &runs_.front();
-    errors_(sensed, {in_rows || traced || !run.filters.empty(), in_lanes ? &run.outputs[0] : nullptr,
-                     in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
+    errors_(sensed);
     // The first error is assumed before the start, so that a constant error causes no transient.
     if (first == 0)
-      for (FusedFilter& filter : run.filters) filter.settle(errors_.rows());
+      for (RowFilter& filter : run.filters) filter.settle(errors_.rows());
     if (traced) tracer_->add(errors_.rows(), first, path_.count());
     const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
     filter(run, 0, settling, {});
     for (const Part& block : blocks_) {
-      if (!in_lanes)
-        run.outputs[0].add(errors_.rows() + block.from * errors_.width(), errors_.width(),
-                           block.to - block.from, block.number);
+      run.outputs[0].add(errors_.rows() + block.from * errors_.width(), errors_.width(),
+                         block.to - block.from, block.number);
       expect(run, block);
       filter(run, block.from, block.to, block.number);
     }
@@ -189,10 +255,11 @@ class Runs {
       if (start >= to) continue;
       const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
       const double* const in = errors_.rows() + start * width;
-      if (block)
-        run.filters[f].tally(in, every * width, rows, *block, run.outputs[f + 1]);
-      else
-        run.filters[f].pass(in, every * width, rows);
+      for (std::size_t done = 0; done < rows; done += rows_at_once) {
+        const std::size_t count = std::min(rows_at_once, rows - done);
+        run.filters[f](in + done * every * width, every * width, count, filtered_.data());
+        if (block) run.outputs[f + 1].add(filtered_.data(), width, count, *block);
+      }
     }
   }
 
@@ -222,7 +289,7 @@ class Runs {
   Channels channels_;
   PathBatch path_;
   PathErrors errors_;
-  bool thinned_;                       // a filter uses only every n-th sample
+  AlignedNumbers filtered_;            // rows of a filter's output
   std::optional<ErrorTracer> tracer_;  // of the first run
   std::vector<Part> blocks_;           // of the batch
   std::vector<Run> runs_;

@@ -23,66 +23,36 @@ RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::
       width_(width),
       kernels_(&kernels) {}
 
-RunStatistics::Piece RunStatistics::piece(std::size_t width, std::size_t lanes) const {
-  Piece p{lanes, 0, 0, AlignedNumbers((1 + 3 * lanes) * width), {}};
-  double* const numbers = p.numbers.data();
-  p.tally = {numbers, numbers + width, numbers + (1 + lanes) * width, numbers + (1 + 2 * lanes) * width};
-  return p;
-}
-
-/// Prepares the piece for more samples. @returns whether they are its first ones
-bool RunStatistics::extend(Piece& p, std::size_t count, std::uint64_t block) {
-  if (p.count > 0 && (block != p.block || p.count + count > most_of_piece))
-    close(p, &p == &rows_ ? gain_ : 1);
-  p.block = block;
-  p.count += count;
-  return p.count == count;
-}
-
 void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::uint64_t block) {
-  const Place place = place_of_rows(rows, block, 1);
-  kernels_->tally(values, stride, rows, width_, peaks(), place.fresh, *place.tally);
-}
-
-RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t block) {
-  if (instants_.numbers.size() == 0) instants_ = piece(width_, kernels_->lanes);
-  const bool fresh = extend(instants_, instants, block);
-  return {&instants_.tally, fresh};
-}
-
-RunStatistics::Place RunStatistics::place_of_rows(std::size_t rows, std::uint64_t block, double gain) {
-  if (rows_.numbers.size() == 0) rows_ = piece(width_, 1);
-  gain_ = gain;
-  const bool fresh = extend(rows_, rows, block);
-  return {&rows_.tally, fresh};
+  if (numbers_.size() == 0) {
+    numbers_ = AlignedNumbers(4 * width_);
+    double* const n = numbers_.data();
+    tally_ = {n, n + width_, n + 2 * width_, n + 3 * width_};
+  }
+  if (block != block_ || count_ + rows > most_of_piece) close_piece();
+  block_ = block;
+  kernels_->tally(values, stride, rows, width_, static_cast<std::size_t>(peak_.size()), count_ == 0, tally_);
+  count_ += rows;
 }
 
 void RunStatistics::finish() {
-  close(rows_, gain_);
-  close(instants_, 1);
-  rows_ = {};  // frees the memory: many runs are kept until they are joined
-  instants_ = {};
+  close_piece();
+  numbers_ = {};  // frees the memory: many runs are kept until they are joined
 }
 
 /// Adds the piece to its block and clears it.
-void RunStatistics::close(Piece& p, double gain) {
-  if (p.count == 0) return;
-  Sums& s = blocks_[p.block];
-  const auto n = static_cast<double>(p.count);
+void RunStatistics::close_piece() {
+  if (count_ == 0) return;
+  Sums& s = blocks_[block_];
+  const auto n = static_cast<double>(count_);
   for (Eigen::Index c = 0; c < s.mean.size(); ++c) {
-    const auto first = static_cast<std::size_t>(c) * p.lanes;
-    double sum = 0, squares = 0, peak = 0;
-    for (std::size_t i = first; i < first + p.lanes; ++i) {
-      sum += p.tally.sum[i];
-      squares += p.tally.squares[i];
-      peak = std::max(peak, p.tally.peak[i]);
-    }
-    s.join(n, c, gain * (p.tally.shift[c] + sum / n), gain * gain * std::max(squares - sum * sum / n, 0.0));
-    if (c < peak_.size()) peak_[c] = std::max(peak_[c], std::abs(gain) * peak);
+    const double sum = tally_.sum[c];
+    s.join(n, c, tally_.shift[c] + sum / n, std::max(tally_.squares[c] - sum * sum / n, 0.0));
+    if (c < peak_.size()) peak_[c] = std::max(peak_[c], tally_.peak[c]);
   }
   s.count += n;
-  for (std::size_t i = 0; i < p.numbers.size(); ++i) p.numbers[i] = 0;
-  p.count = 0;
+  std::fill_n(numbers_.data(), numbers_.size(), 0.0);
+  count_ = 0;
 }
 
 /// Joins two parts of a record (Chan, Golub, LeVeque 1983): squares add up, plus a term for the difference of

@@ -30,16 +30,6 @@ class RunStatistics {
   /// Adds rows of channels, `stride` numbers apart, all of one block.
   void add(const double* values, std::size_t stride, std::size_t rows, std::uint64_t block);
 
-  /// Tally to which a kernel adds `instants` instants of one block, with instants as lanes.
-  struct Place {
-    const ChannelTally* tally;
-    bool fresh;
-  };
-  Place place(std::size_t instants, std::uint64_t block);
-  /// Tally to which a kernel adds `rows` rows of one block.
-  /// @param gain  factor of all rows, the same in every call
-  Place place_of_rows(std::size_t rows, std::uint64_t block, double gain);
-
   /// Adds to the variance that theory expects of one of the first channels.
   /// @param variance  sum over rows of a block, up to a common factor
   void expect(Eigen::Index channel, double variance, std::uint64_t block) {
@@ -59,8 +49,6 @@ class RunStatistics {
   double expected(Eigen::Index channel) const;
   /// Of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
-  /// Number of channels with a peak.
-  std::size_t peaks() const { return static_cast<std::size_t>(peak_.size()); }
 
   /// 95 % interval of sigma by Student's t of the mean squares of the blocks. Their variation between blocks
   /// that theory predicts is not counted as uncertainty (a ratio estimator).
@@ -80,25 +68,18 @@ class RunStatistics {
     void join(double other_count, Eigen::Index channel, double other_mean, double other_squares);
     void join(const Sums& other);
   };
-  /// Samples of one block that are summed about the same values.
-  struct Piece {
-    std::size_t lanes = 1;  // number of sums per channel
-    std::size_t count = 0;
-    std::uint64_t block = 0;
-    AlignedNumbers numbers;
-    ChannelTally tally{};
-  };
-  Piece piece(std::size_t width, std::size_t lanes) const;
-  bool extend(Piece&, std::size_t count, std::uint64_t block);
-  void close(Piece&, double gain);
+  void close_piece();
   void join_neighbours();
 
   std::vector<Sums> blocks_;
   Eigen::ArrayXd peak_;  // of the first channels
   std::size_t width_;
   const SimulationKernels* kernels_;
-  double gain_ = 1;  // of the rows
-  Piece rows_, instants_;
+  // The piece: samples of one block that are summed about the same values.
+  AlignedNumbers numbers_;
+  ChannelTally tally_{};
+  std::size_t count_ = 0;
+  std::uint64_t block_ = 0;
 };
 
 }  // namespace qerr

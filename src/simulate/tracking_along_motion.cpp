@@ -105,7 +105,7 @@ class EffectErrors {
 
   void run(const SensedBatch& batch, const std::vector<std::size_t>& used) {
     if (!any_) return;
-    errors_(batch, {});
+    errors_(batch);
     for (std::size_t k = 0; k < used.size(); ++k)
       std::copy_n(errors_.rows() + used[k] * errors_.width(), std::min(width_, errors_.width()),
                   rows_.data() + k * width_);

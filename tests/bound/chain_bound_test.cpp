@@ -5,11 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "bound/proven/component_sigma.hpp"
-#include "bound/proven/position_sigma.hpp"
-#include "bound/proven/position_worst_case.hpp"
-#include "bound/proven/rotation_bound.hpp"
-#include "bound/proven/tip_component.hpp"
+#include "bound/proven/chain_recursions.hpp"
 #include "support/figure_search.hpp"
 #include "support/random_model.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bound/proven/ascent.hpp"
-#include "bound/proven/sliding_maximum.hpp"
+#include "bound/proven/recursion.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -14,7 +14,6 @@
 #include "filter/norms/direct_sum.hpp"
 #include "filter/norms/lifted_norm.hpp"
 #include "filter/norms/sequence.hpp"
-#include "filter/norms/sign_runs.hpp"
 #include "filter/norms/tail_sum.hpp"
 #include "filter/norms/transient.hpp"
 #include "qerr/filter/family.hpp"

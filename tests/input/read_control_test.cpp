@@ -224,6 +224,13 @@ TEST_F(ControlSection, AFactorMultipliesWhatStandsBeforeIt) {
   EXPECT_NEAR(doubled - counts, norm_of_scaled * 1.5 * 0.5, 1e-9 * doubled);
 }
 
+TEST_F(ControlSection, TheFrictionThatEndsACycleIsTheControllersNormPlusItsGain) {
+  const Spec spec = controlled();
+  const double norm = filter_sums(spec.filters[0].filter, 400, 5).l1, half_count = 5e-4;
+  EXPECT_NEAR(analyze(spec).control->loops.front().cycle.ending_friction, (norm + 400) * half_count,
+              1e-9 * norm * half_count);
+}
+
 TEST_F(ControlSection, ATipOfSeveralMovesAsTheOnlyOne) {
   const std::string
       robot = "robot: {urdf: arm.urdf, ",

@@ -73,7 +73,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   path.at(batch * batch_size, batch_size);
   const SensedBatch& batch_of_instants = sensing.sense(path);
   if (dice.chance(0.5)) errors.share(path);
-  errors(batch_of_instants, {});
+  errors(batch_of_instants);
   // A position of 1e6 rad has a rounding error of 1e-10 rad.
   const double largest_angle =
       Eigen::Map<const Eigen::ArrayXd>(batch_of_instants.joint, n * 64).abs().maxCoeff();
@@ -119,28 +119,20 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   expect_variance(variance_in(0, 13) + variance_in(13, 50) + variance_in(50, batch_size));
   const Eigen::ArrayXXd rows =
       Eigen::Map<const Eigen::ArrayXXd>(errors.rows(), static_cast<Eigen::Index>(errors.width()), batch_size);
-  for (const bool each : {false, true}) {
-    RunStatistics statistics(m * (3 + n), m, errors.width(), 1, select_kernels<SimulationKernels>(set));
-    errors(batch_of_instants, {false, &statistics, 0, each});
-    expect_variance(variance_in(0, batch_size));
-    statistics.finish();
-    for (Eigen::Index k = 0; k < m * (3 + n); ++k) {
-      const double mean = rows.row(k).mean(), squares = (rows.row(k) - mean).square().mean();
-      EXPECT_NEAR(statistics.mean(k), mean, 1e-12 * rows.row(k).abs().maxCoeff());
-      EXPECT_NEAR(statistics.variance(k), squares, 1e-11 * squares + 1e-26);
-      if (k < m) {
-        EXPECT_EQ(statistics.peak(k), rows.row(k).abs().maxCoeff());
-      }
+  RunStatistics statistics(m * (3 + n), m, errors.width(), 1, select_kernels<SimulationKernels>(set));
+  statistics.add(errors.rows(), errors.width(), batch_size, 0);
+  statistics.finish();
+  for (Eigen::Index k = 0; k < m * (3 + n); ++k) {
+    const double mean = rows.row(k).mean(), squares = (rows.row(k) - mean).square().mean();
+    EXPECT_NEAR(statistics.mean(k), mean, 1e-12 * rows.row(k).abs().maxCoeff());
+    EXPECT_NEAR(statistics.variance(k), squares, 1e-11 * squares + 1e-26);
+    if (k < m) {
+      EXPECT_EQ(statistics.peak(k), rows.row(k).abs().maxCoeff());
     }
   }
   EXPECT_LT((errors.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
   EXPECT_LT((errors.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
   EXPECT_EQ(errors.rigorous()[8], std::numeric_limits<double>::infinity());
-  // Before the evaluated part of a record without filters, only the bounds are needed.
-  PathErrors bounds(model, built, center_mean, set);
-  bounds(batch_of_instants, {.rows = false});
-  EXPECT_LT((bounds.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
-  EXPECT_LT((bounds.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
 }
 
 /// A model with all features of the kernels: its first encoder rounds down, so that the error has a mean.

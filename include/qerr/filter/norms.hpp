@@ -48,7 +48,7 @@ double h2_norm(const Filter&);
 /// Fast filters are summed directly, in double-double with a running error bound (direct_sum.hpp). Slow ones
 /// are expanded in partial fractions (modes.hpp): over a run of one sign, the sum of h is a difference of two
 /// values of the step response, so that the work grows with the changes of sign and not with the filter's
-/// memory (sign_runs.hpp). Poles near z = -1 or other roots of 1 change the sign at every sample; every n-th
+/// memory (tail_sum.hpp). Poles near z = -1 or other roots of 1 change the sign at every sample; every n-th
 /// sample, a sum of modes too, does not change it (decimation). Where samples are fewer than the work for
 /// runs, they are summed in doubles (sampled_sum.hpp). Modes are dropped when they have decayed, and the
 /// periods of a single remaining resonance, of which there may be billions, are summed by Euclid's algorithm

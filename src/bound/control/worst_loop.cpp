@@ -73,7 +73,8 @@ class LoopOfJoint {
         joint_(joint),
         count_(count_of(model, joint)),
         lasting_(lasting_error(model, joint)),
-        step_(largest_step(controller_of(control_.joints[joint], control_.sample_rate))) {}
+        step_(largest_step(controller())),
+        controller_norm_(l1_norm(controller()).upper) {}
 
   /// The bounds of its cycle are those of the recursion.
   const LoopAtInertia& at(double inertia) {
@@ -135,18 +136,20 @@ class LoopOfJoint {
   const std::map<double, LoopAtInertia>& all() const { return all_; }
 
  private:
+  Filter controller() const { return controller_of(control_.joints[joint_], control_.sample_rate); }
+
   void set_cycle(LoopAtInertia& l, double inertia, double motion, double torque) {
     const LoopReading& reading = control_.joints[joint_].reading;
     l.cycle = limit_cycle(l.margins, motion, torque, step_, reading, count_, lasting_);
     // Between two counts the set point is at most half a count from the edge, on which the reading changes.
-    l.cycle.ending_friction = (torque_norm_ + std::abs(control_.joints[joint_].kp)) * lasting_;
+    l.cycle.ending_friction = (controller_norm_ + std::abs(control_.joints[joint_].kp)) * lasting_;
     if (reading.play > 0)
       l.cycle.play = play_cycle(loop_of(control_, joint_, inertia), reading.play, reading.behind_play);
   }
 
   const Control control_;
   std::size_t joint_;
-  double count_, lasting_, step_, torque_norm_;
+  double count_, lasting_, step_, controller_norm_;
   std::map<double, LoopAtInertia> all_;
 };
 

@@ -5,12 +5,7 @@
 #include <functional>
 #include <queue>
 
-#include "bound/proven/chain_form.hpp"
-#include "bound/proven/component_sigma.hpp"
-#include "bound/proven/position_sigma.hpp"
-#include "bound/proven/position_worst_case.hpp"
-#include "bound/proven/rotation_bound.hpp"
-#include "bound/proven/tip_component.hpp"
+#include "bound/proven/chain_recursions.hpp"
 
 namespace qerr {
 

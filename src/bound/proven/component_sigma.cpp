@@ -1,15 +1,11 @@
-#include "bound/proven/component_sigma.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "bound/proven/chain_form.hpp"
-#include "bound/proven/direction_grid.hpp"
+#include "bound/proven/chain_recursions.hpp"
 #include "bound/proven/kernels.hpp"
-#include "bound/proven/sliding_maximum.hpp"
-#include "core/parallel.hpp"
+#include "bound/proven/recursion.hpp"
 
 namespace qerr {
 
@@ -19,15 +15,12 @@ namespace {
 constexpr double cone_rounding = 64 * 0x1p-24;
 
 /// Functions of (u, m, s) before the motion of a joint.
-struct ConeLevel {
+struct ConeLevel : DirectionTable<float> {
   std::vector<LocalError> errors;
-  ArcGrid arc;
-  DirectionGrid directions;
   double scale = 0;      ///< M of the tables
   double pre_reach = 0;  ///< of the tip from the frame before the motion
   double moment = 0;     ///< largest change of |m| for s = 1
   double size = 0;       ///< largest root of the variance from here to the tip
-  std::vector<float> table;
 };
 
 class ConeRecursion {
@@ -37,8 +30,7 @@ class ConeRecursion {
 
  private:
   std::size_t slice() const { return static_cast<std::size_t>(nodes_ * nodes_); }
-  void fill_row(std::size_t k, std::size_t row);
-  void fill_slice(std::size_t k, const DirectionFrame& at, float* values, std::vector<float>& memory) const;
+  void fill(std::size_t k, const DirectionFrame& at, float* values) const;
   void at_tip(std::size_t k, const DirectionFrame& at, float* values) const;
   void step(const LocalError& e, const DirectionFrame& at, double scale, ConeSum sum, float* values,
             int first, int last) const;
@@ -96,8 +88,9 @@ ConeRecursion::ConeRecursion(const ChainForm& form, double cells)
   }
   for (std::size_t k = form.size(); k > 0; --k) {
     ConeLevel& l = levels_[k];
-    l.table.assign(l.directions.rows * l.directions.columns() * slice(), 0);
-    parallel_for(l.directions.rows, 0, [&](std::size_t row) { fill_row(k, row); });
+    tabulate(
+        l, slice(), [&](const DirectionFrame& at, float* values) { fill(k, at, values); },
+        [&](std::size_t row, std::size_t, float* values) { add_terms(k, row, values); });
     if (k < form.size()) std::vector<float>().swap(levels_[k + 1].table);
   }
 }
@@ -113,7 +106,7 @@ ConeSum ConeRecursion::beyond(std::size_t k, const DirectionFrame& at, double& c
   sum.nodes = nodes_;
   for (std::size_t i = 0; i < s.count; ++i) {
     const DirectionStencil::Vertex& v = s.vertices[i];
-    sum.table[i] = next.table.data() + (v.row * next.directions.columns() + v.column) * slice();
+    sum.table[i] = next.table.data() + next.place(v, slice());
     sum.weight[i] = static_cast<float>(v.weight);
     const Eigen::Matrix2d map = v.map * (l.scale / next.scale);
     sum.row_a[i] = static_cast<float>(map(0, 0)), sum.row_b[i] = static_cast<float>(map(0, 1));
@@ -170,10 +163,9 @@ void ConeRecursion::at_tip(std::size_t k, const DirectionFrame& at, float* value
   kernels_.raise(sum, 0, nodes_, values);
 }
 
-void ConeRecursion::fill_slice(std::size_t k, const DirectionFrame& at, float* values,
-                               std::vector<float>& memory) const {
+void ConeRecursion::fill(std::size_t k, const DirectionFrame& at, float* values) const {
   const ConeLevel& l = levels_[k];
-  std::fill_n(values, slice(), -std::numeric_limits<float>::max());
+  std::vector<float> memory;
   if (k == form_.size()) return at_tip(k, at, values);
   double constant = 0;
   ConeSum sum = beyond(k, at, constant);
@@ -218,37 +210,11 @@ void ConeRecursion::add_terms(std::size_t k, std::size_t row, float* values) con
     }
 }
 
-void ConeRecursion::fill_row(std::size_t k, std::size_t row) {
-  ConeLevel& l = levels_[k];
-  const std::size_t columns = l.directions.columns(), samples = l.arc.sample_cos.size();
-  float* to = l.table.data() + row * columns * slice();
-  std::vector<float> values(samples * slice()), memory;
-  for (std::size_t i = 0; i < samples; ++i)
-    fill_slice(k, direction_frame(l.directions.polar(row), l.arc.sample_cos[i], l.arc.sample_sin[i]),
-               values.data() + i * slice(), memory);
-  if (l.arc.full) {
-    std::copy_n(values.data(), slice(), to);
-    for (std::size_t i = 1; i < samples; ++i)
-      for (std::size_t c = 0; c < slice(); ++c) to[c] = std::max(to[c], values[i * slice() + c]);
-  } else {
-    memory.resize(values.size());
-    if (l.arc.intervals > 0)
-      sliding_maximum(values.data(), samples, l.arc.intervals + 1, slice(), memory.data());
-    for (std::size_t j = 0; j < columns; ++j)
-      std::copy_n(values.data() + l.arc.first(j) * slice(), slice(), to + j * slice());
-  }
-  for (std::size_t j = 0; j < columns; ++j) add_terms(k, row, to + j * slice());
-}
-
 double ConeRecursion::along(const Eigen::Vector3d& direction) const {
   const ConeLevel& l = levels_[1];
   const Eigen::Vector3d u = form_.steps[0].rotation.transpose() * direction;
   const DirectionStencil s = direction_weights(l.directions, u);
-  double value = s.direction_residual * l.size;
-  for (std::size_t i = 0; i < s.count; ++i) {
-    const std::size_t at = s.vertices[i].row * l.directions.columns() + s.vertices[i].column;
-    value += s.vertices[i].weight * l.table[at * slice() + slice() / 2];
-  }
+  const double value = l.added(s.direction_residual * l.size, s, slice(), slice() / 2);
   double squares = value * value;
   for (const LocalError& e : levels_[0].errors) squares += std::pow(e.constant_at(direction), 2);
   return std::sqrt(squares) * (1 + 1e-12);

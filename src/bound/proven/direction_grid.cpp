@@ -94,8 +94,7 @@ void set_maps(DirectionStencil& s, const DirectionFrame& target,
 /// Along the meridian of u, whose nodes are as good as any others for a function without azimuth.
 std::array<DirectionFrame, 3> on_meridian(const DirectionGrid& g, const Eigen::Vector3d& u,
                                           DirectionStencil& s) {
-  const double across = u.head<2>().norm(), polar = std::atan2(across, u.z());
-  const double cosine = across > 0 ? u.x() / across : 1, sine = across > 0 ? u.y() / across : 0;
+  const auto [polar, cosine, sine] = angles_of(u);
   const std::size_t row = std::min(static_cast<std::size_t>(polar / g.polar_step), g.rows - 2);
   std::array<DirectionFrame, 3> frames;
   s.count = 2;
@@ -151,6 +150,11 @@ DirectionGrid direction_grid(bool half, double polar_step, const ArcGrid& azimut
 
 DirectionFrame direction_frame(double polar_angle, double cosine, double sine) {
   return frame_at(std::cos(polar_angle), std::sin(polar_angle), cosine, sine);
+}
+
+Angles angles_of(const Eigen::Vector3d& u) {
+  const double across = u.head<2>().norm();
+  return {std::atan2(across, u.z()), across > 0 ? u.x() / across : 1, across > 0 ? u.y() / across : 0};
 }
 
 DirectionStencil direction_stencil(const DirectionGrid& g, const DirectionFrame& target) {

@@ -57,6 +57,12 @@ struct DirectionFrame {
 };
 DirectionFrame direction_frame(double polar_angle, double cosine, double sine);
 
+/// Polar angle of a direction, and cosine and sine of its azimuth, which is 0 on the axis.
+struct Angles {
+  double polar, cosine, sine;
+};
+Angles angles_of(const Eigen::Vector3d&);
+
 /// u = sum weight_j u_j with weights >= 0, over two or three nodes (or their opposites, for even functions),
 /// and linear maps m_j of vectors m perpendicular to u with sum weight_j m_j = m, m_j perpendicular to u_j.
 struct DirectionStencil {

@@ -1,13 +1,11 @@
-#include "bound/proven/position_sigma.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numbers>
 
-#include "bound/proven/direction_grid.hpp"
+#include "bound/proven/chain_recursions.hpp"
 #include "bound/proven/kernels.hpp"
-#include "bound/proven/sliding_maximum.hpp"
+#include "bound/proven/recursion.hpp"
 #include "core/parallel.hpp"
 
 namespace qerr {

@@ -1,13 +1,9 @@
-#include "bound/proven/position_worst_case.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "bound/proven/chain_form.hpp"
-#include "bound/proven/direction_grid.hpp"
-#include "bound/proven/sliding_maximum.hpp"
-#include "core/parallel.hpp"
+#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/recursion.hpp"
 
 namespace qerr {
 
@@ -19,16 +15,13 @@ namespace {
 constexpr double float_rounding = 64 * 0x1p-24;
 
 /// What belongs to the moved frame of a joint.
-struct MomentLevel {
+struct MomentLevel : DirectionTable<float> {  // slices: [m along polar][m along azimuth]
   FrameErrors errors;
   std::vector<DirectedOrigin> origins;  ///< in the moved frame
-  ArcGrid arc;
-  DirectionGrid directions;
   MomentDisc disc;
-  double pre_reach = 0;      ///< of the tip from the frame before the motion
-  double shift = 0;          ///< largest change of |m|
-  double size = 0;           ///< largest |sum of all errors from here to the tip| for |u| = 1
-  std::vector<float> table;  ///< [row][column][m along polar][m along azimuth]
+  double pre_reach = 0;  ///< of the tip from the frame before the motion
+  double shift = 0;      ///< largest change of |m|
+  double size = 0;       ///< largest |sum of all errors from here to the tip| for |u| = 1
 };
 
 class PositionRecursion {
@@ -40,7 +33,6 @@ class PositionRecursion {
 
  private:
   void lay_out(double cells);
-  void fill_row(std::size_t k, std::size_t row);
   void raise(std::size_t k, const DirectionFrame& at, float* values) const;
   void add_terms(std::size_t k, std::size_t row, float* values) const;
   void set_tables(std::size_t k, const DirectionFrame& at, SliceSum& sum, double& constant) const;
@@ -121,7 +113,7 @@ void PositionRecursion::set_tables(std::size_t k, const DirectionFrame& at, Slic
   sum.table_nodes = next.disc.nodes;
   for (std::size_t i = 0; i < s.count; ++i) {
     const DirectionStencil::Vertex& v = s.vertices[i];
-    sum.table[i] = next.table.data() + (v.row * next.directions.columns() + v.column) * next.disc.size();
+    sum.table[i] = next.table.data() + next.place(v, next.disc.size());
     sum.weight[i] = static_cast<float>(v.weight);
   }
   constant += s.moment_residual * next.disc.radius * next.pre_reach + s.direction_residual * next.size;
@@ -198,40 +190,17 @@ void PositionRecursion::add_terms(std::size_t k, std::size_t row, float* values)
     }
 }
 
-void PositionRecursion::fill_row(std::size_t k, std::size_t row) {
-  MomentLevel& l = levels_[k];
-  const std::size_t slice = l.disc.size(), columns = l.directions.columns();
-  float* to = l.table.data() + row * columns * slice;
-  const double polar = l.directions.polar(row);
-  const std::size_t samples = l.arc.sample_cos.size();
-  std::vector<float> values(samples * slice, -std::numeric_limits<float>::max()), memory;
-  for (std::size_t i = 0; i < samples; ++i) {
-    const DirectionFrame at = direction_frame(polar, l.arc.sample_cos[i], l.arc.sample_sin[i]);
-    float* here = values.data() + i * slice;
-    raise(k, at, here);
-    if (const double added = origins_at(k, at.u); added != 0)
-      for (std::size_t c = 0; c < slice; ++c) here[c] += static_cast<float>(added);
-  }
-  if (l.arc.full) {
-    std::copy_n(values.data(), slice, to);
-    for (std::size_t i = 1; i < samples; ++i)
-      for (std::size_t c = 0; c < slice; ++c) to[c] = std::max(to[c], values[i * slice + c]);
-  } else {
-    memory.resize(values.size());
-    if (l.arc.intervals > 0)
-      sliding_maximum(values.data(), samples, l.arc.intervals + 1, slice, memory.data());
-    for (std::size_t j = 0; j < columns; ++j)
-      std::copy_n(values.data() + l.arc.first(j) * slice, slice, to + j * slice);
-  }
-  for (std::size_t j = 0; j < columns; ++j) add_terms(k, row, to + j * slice);
-}
-
 void PositionRecursion::run(double cells) {
   lay_out(cells);
   for (std::size_t k = form_.size(); k > 0; --k) {
     MomentLevel& l = levels_[k];
-    l.table.assign(l.directions.rows * l.directions.columns() * l.disc.size(), 0);
-    parallel_for(l.directions.rows, 0, [&](std::size_t row) { fill_row(k, row); });
+    const std::size_t slice = l.disc.size();
+    const auto fill = [&](const DirectionFrame& at, float* values) {
+      raise(k, at, values);
+      if (const double added = origins_at(k, at.u); added != 0)
+        for (std::size_t c = 0; c < slice; ++c) values[c] += static_cast<float>(added);
+    };
+    tabulate(l, slice, fill, [&](std::size_t row, std::size_t, float* values) { add_terms(k, row, values); });
     if (k < form_.size()) std::vector<float>().swap(levels_[k + 1].table);
   }
 }
@@ -240,17 +209,11 @@ double PositionRecursion::along(const Eigen::Vector3d& direction) const {
   const MomentLevel& l = levels_[1];
   const auto value_at = [&](const Eigen::Vector3d& base) {
     const Eigen::Vector3d u = form_.steps[0].rotation.transpose() * base;
-    const double across = u.head<2>().norm(), polar = std::atan2(across, u.z());
-    const DirectionFrame at =
-        direction_frame(polar, across > 0 ? u.x() / across : 1, across > 0 ? u.y() / across : 0);
+    const Angles angles = angles_of(u);
+    const DirectionFrame at = direction_frame(angles.polar, angles.cosine, angles.sine);
     const DirectionStencil s = direction_stencil(l.directions, at);
-    double value = s.direction_residual * l.size + (at.u - u).norm() * l.size;
-    for (std::size_t i = 0; i < s.count; ++i) {
-      const DirectionStencil::Vertex& v = s.vertices[i];
-      const std::size_t slice = v.row * l.directions.columns() + v.column;
-      value += v.weight * l.table[slice * l.disc.size() + l.disc.size() / 2];
-    }
-    return value + origins_at(0, base);
+    const double value = s.direction_residual * l.size + (at.u - u).norm() * l.size;
+    return l.added(value, s, l.disc.size(), l.disc.size() / 2) + origins_at(0, base);
   };
   const double there = value_at(direction);
   return (even_ ? there : std::max(there, value_at(-direction))) * (1 + 1e-12);

@@ -1,12 +1,9 @@
-#include "bound/proven/rotation_bound.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "bound/proven/direction_grid.hpp"
-#include "bound/proven/sliding_maximum.hpp"
-#include "core/parallel.hpp"
+#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/recursion.hpp"
 
 namespace qerr {
 
@@ -22,13 +19,10 @@ struct AxisError {
 };
 
 /// A stage of the recursion: L, the rotation to the frame of the next one, and the joint's motion.
-struct RotationStage {
+struct RotationStage : DirectionTable<double> {
   std::vector<AxisError> errors;
   Eigen::Matrix3d to_next = Eigen::Matrix3d::Identity();
   double lower = 0, upper = 0;
-  ArcGrid arc = {};
-  DirectionGrid directions = {};
-  std::vector<double> table = {};
   double size = 0;        ///< largest |F| for |u| = 1
   double horizontal = 0;  ///< largest F of the samples of horizontal u
 };
@@ -80,7 +74,6 @@ class RotationRecursion {
  private:
   double at(std::size_t stage, const Eigen::Vector3d& u) const;
   double of_table(std::size_t stage, const Eigen::Vector3d& u) const;
-  void fill_row(std::size_t stage, std::size_t row);
 
   std::vector<RotationStage> stages_;  // [0]: no motion
   bool sigma_, even_ = true;
@@ -123,11 +116,7 @@ RotationRecursion::RotationRecursion(const ChainForm& form, RotationAxes axes, c
 double RotationRecursion::of_table(std::size_t stage, const Eigen::Vector3d& u) const {
   const RotationStage& s = stages_[stage];
   const DirectionStencil stencil = direction_weights(s.directions, u);
-  double value = stencil.direction_residual * s.size;
-  for (std::size_t i = 0; i < stencil.count; ++i)
-    value += stencil.vertices[i].weight *
-             s.table[stencil.vertices[i].row * s.directions.columns() + stencil.vertices[i].column];
-  return value;
+  return s.added(stencil.direction_residual * s.size, stencil, 1, 0);
 }
 
 /// F at a direction of the moved frame.
@@ -142,35 +131,23 @@ double RotationRecursion::at(std::size_t stage, const Eigen::Vector3d& u) const 
   return sigma_ ? std::sqrt(sum) : sum;
 }
 
-void RotationRecursion::fill_row(std::size_t stage, std::size_t row) {
-  RotationStage& s = stages_[stage];
-  const std::size_t samples = s.arc.sample_cos.size(), columns = s.directions.columns();
-  const double polar = s.directions.polar(row);
-  std::vector<double> values(samples), memory(samples);
-  for (std::size_t i = 0; i < samples; ++i)
-    values[i] = at(stage, direction_frame(polar, s.arc.sample_cos[i], s.arc.sample_sin[i]).u);
-  if (s.arc.full)
-    values[0] = *std::max_element(values.begin(), values.end());
-  else if (s.arc.intervals > 0)
-    sliding_maximum(values.data(), samples, s.arc.intervals + 1, 1, memory.data());
-  const double between =
-      s.arc.intervals > 0 ? (1 / std::cos(s.arc.spacing / 2) - 1) * std::sin(polar) * s.horizontal : 0;
-  for (std::size_t j = 0; j < columns; ++j)
-    s.table[row * columns + j] = values[s.arc.first(j)] + between + rotation_rounding * s.size;
-}
-
 void RotationRecursion::run(double cells) {
   const double step = std::numbers::pi / 2 / cells;
   for (std::size_t i = stages_.size(); i-- > 1;) {
     RotationStage& s = stages_[i];
     s.arc = arc_grid(s.lower, s.upper, step);
     s.directions = direction_grid(even_, step, s.arc);
-    s.table.resize(s.directions.rows * s.directions.columns());
     for (std::size_t j = 0; j < s.arc.sample_cos.size(); ++j)
       s.horizontal =
           std::max(s.horizontal,
                    at(i, direction_frame(std::numbers::pi / 2, s.arc.sample_cos[j], s.arc.sample_sin[j]).u));
-    parallel_for(s.directions.rows, 0, [&](std::size_t row) { fill_row(i, row); });
+    const double arc = s.arc.intervals > 0 ? 1 / std::cos(s.arc.spacing / 2) - 1 : 0;
+    tabulate(
+        s, 1, [&](const DirectionFrame& frame, double* value) { *value = at(i, frame.u); },
+        [&](std::size_t row, std::size_t, double* value) {
+          const double between = arc * std::sin(s.directions.polar(row)) * s.horizontal;
+          *value = *value + between + rotation_rounding * s.size;
+        });
   }
 }
 

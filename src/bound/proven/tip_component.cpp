@@ -1,14 +1,10 @@
-#include "bound/proven/tip_component.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "bound/proven/chain_form.hpp"
-#include "bound/proven/direction_grid.hpp"
-#include "bound/proven/sliding_maximum.hpp"
-#include "core/parallel.hpp"
+#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/recursion.hpp"
 
 namespace qerr {
 
@@ -18,15 +14,12 @@ namespace {
 constexpr double tip_component_rounding = 64 * 0x1p-24;
 
 /// G of the moved frame of a joint.
-struct LeverLevel {
+struct LeverLevel : DirectionTable<float> {
   FrameErrors errors;
-  ArcGrid arc;
-  DirectionGrid directions;
   MomentDisc disc;    ///< of l
   double offset = 0;  ///< largest distance of the frame from the one before
   double slope = 0;   ///< largest change of G per change of l
   double size = 0;    ///< largest G for |u| = 1 and l = 0
-  std::vector<float> table;
 };
 
 class LeverRecursion {
@@ -37,7 +30,8 @@ class LeverRecursion {
 
  private:
   void lay_out(double cells);
-  void fill_row(std::size_t k, std::size_t row);
+  void fill(std::size_t k, const DirectionFrame& at, float* values) const;
+  void finish(std::size_t k, const DirectionFrame& at, double polar, float* values) const;
   void raise(std::size_t k, const MomentDisc& disc, const Eigen::Vector2d& center, const DirectionFrame& at,
              float* values) const;
   double allowance(std::size_t k, double polar, const Eigen::Vector2d& lever) const;
@@ -78,8 +72,12 @@ LeverRecursion::LeverRecursion(const ChainForm& form, std::vector<FrameErrors> e
   lay_out(cells);
   for (std::size_t k = 1; k < form.size(); ++k) {
     LeverLevel& l = levels_[k];
-    l.table.assign(l.directions.rows * l.directions.columns() * l.disc.size(), 0);
-    parallel_for(l.directions.rows, 0, [&](std::size_t row) { fill_row(k, row); });
+    const auto at_node = [&](std::size_t row, std::size_t column, float* values) {
+      const double polar = l.directions.polar(row);
+      finish(k, direction_frame(polar, l.arc.node_cos[column], l.arc.node_sin[column]), polar, values);
+    };
+    tabulate(
+        l, l.disc.size(), [&](const DirectionFrame& at, float* values) { fill(k, at, values); }, at_node);
     if (k > 1) std::vector<float>().swap(levels_[k - 1].table);
   }
 }
@@ -134,7 +132,7 @@ void LeverRecursion::raise(std::size_t k, const MomentDisc& disc, const Eigen::V
       const DirectionStencil::Vertex& v = s.vertices[i];
       const Eigen::Matrix2d map = (v.opposite ? -1 : 1) * v.map / next.disc.step;
       const Eigen::Vector2d origin = map * first;
-      sum.table[i] = next.table.data() + (v.row * next.directions.columns() + v.column) * next.disc.size();
+      sum.table[i] = next.table.data() + next.place(v, next.disc.size());
       sum.weight[i] = static_cast<float>(v.weight);
       sum.row_0[i] = static_cast<float>(origin[0] + next_middle);
       sum.column_0[i] = static_cast<float>(origin[1] + next_middle);
@@ -174,53 +172,31 @@ double LeverRecursion::with_own(std::size_t k, const DirectionFrame& at, const E
   return sum + errors.fixed.axis.dot(l) + errors.fixed.constant.dot(at.u);
 }
 
-void LeverRecursion::fill_row(std::size_t k, std::size_t row) {
-  LeverLevel& l = levels_[k];
-  const bool prismatic = form_.steps[k - 1].prismatic;
-  const std::size_t slice = l.disc.size(), columns = l.directions.columns(),
-                    samples = l.arc.sample_cos.size();
-  const double polar = l.directions.polar(row);
-  float* to = l.table.data() + row * columns * slice;
-  std::vector<float> values(samples * slice, -std::numeric_limits<float>::max()), memory;
-  for (std::size_t i = 0; i < samples; ++i) {
-    const DirectionFrame at = direction_frame(polar, l.arc.sample_cos[i], l.arc.sample_sin[i]);
-    if (!prismatic) {
-      raise(k, l.disc, Eigen::Vector2d::Zero(), at, values.data() + i * slice);
-      continue;
+void LeverRecursion::fill(std::size_t k, const DirectionFrame& at, float* values) const {
+  const LeverLevel& l = levels_[k];
+  const ChainStep& joint = form_.steps[k - 1];
+  if (!joint.prismatic) return raise(k, l.disc, Eigen::Vector2d::Zero(), at, values);
+  // l + q z x u; convex in q, so that the ends are enough. z x u = sin(polar) azimuth.
+  for (const double motion : {joint.lower, joint.upper})
+    raise(k, l.disc, Eigen::Vector2d(0, -motion * at.polar.z()), at, values);
+}
+
+/// G_k from A_k, with the allowances.
+void LeverRecursion::finish(std::size_t k, const DirectionFrame& at, double polar, float* values) const {
+  const MomentDisc& disc = levels_[k].disc;
+  for (int a = 0; a < disc.nodes; ++a)
+    for (int b = disc.begin[static_cast<std::size_t>(a)]; b < disc.end[static_cast<std::size_t>(a)]; ++b) {
+      const Eigen::Vector2d lever(disc.at(a), disc.at(b));
+      float& value = values[a * disc.nodes + b];
+      value = static_cast<float>(with_own(k, at, lever, value + allowance(k, polar, lever)));
     }
-    // l + q z x u; convex in q, so that the ends are enough. z x u = sin(polar) azimuth.
-    for (const double motion : {form_.steps[k - 1].lower, form_.steps[k - 1].upper})
-      raise(k, l.disc, Eigen::Vector2d(0, motion * std::sin(polar)), at, values.data() + i * slice);
-  }
-  if (l.arc.full) {
-    std::copy_n(values.data(), slice, to);
-    for (std::size_t i = 1; i < samples; ++i)
-      for (std::size_t c = 0; c < slice; ++c) to[c] = std::max(to[c], values[i * slice + c]);
-  } else {
-    memory.resize(values.size());
-    if (l.arc.intervals > 0)
-      sliding_maximum(values.data(), samples, l.arc.intervals + 1, slice, memory.data());
-    for (std::size_t j = 0; j < columns; ++j)
-      std::copy_n(values.data() + l.arc.first(j) * slice, slice, to + j * slice);
-  }
-  for (std::size_t j = 0; j < columns; ++j) {
-    const DirectionFrame at = direction_frame(polar, l.arc.node_cos[j], l.arc.node_sin[j]);
-    for (int a = 0; a < l.disc.nodes; ++a)
-      for (int b = l.disc.begin[static_cast<std::size_t>(a)]; b < l.disc.end[static_cast<std::size_t>(a)];
-           ++b) {
-        const Eigen::Vector2d lever(l.disc.at(a), l.disc.at(b));
-        float& value = to[j * slice + static_cast<std::size_t>(a * l.disc.nodes + b)];
-        value = static_cast<float>(with_own(k, at, lever, value + allowance(k, polar, lever)));
-      }
-  }
 }
 
 double LeverRecursion::along(const Eigen::Vector3d& in_tip) const {
   const std::size_t n = form_.size();
   const ChainStep& joint = form_.steps[n - 1];
   const Eigen::Vector3d u = form_.tip.linear() * in_tip, l = form_.tip.translation().cross(u);
-  const double across = u.head<2>().norm(), polar = std::atan2(across, u.z());
-  const double cosine = across > 0 ? u.x() / across : 1, sine = across > 0 ? u.y() / across : 0;
+  const auto [polar, cosine, sine] = angles_of(u);
   const DirectionFrame at = direction_frame(polar, cosine, sine);
   const Eigen::Vector2d lever(l.dot(at.polar), l.dot(at.azimuth));
   const MomentDisc point = moment_disc(1e-9 * (l.norm() + 1e-3), 3);

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
+#include "bound/proven/direction_grid.hpp"
 #include "bound/proven/kernels.hpp"
+#include "core/parallel.hpp"
 
 namespace qerr {
 
@@ -66,6 +69,55 @@ inline MomentDisc moment_disc(double radius, int nodes) {
       }
   }
   return d;
+}
+
+/// A function of a direction before the motion of a joint, u, and of what a slice holds beside it (one
+/// number: nothing): the largest, over the motion, of a function of the moved frame.
+template <class Number>
+struct DirectionTable {
+  ArcGrid arc;
+  DirectionGrid directions;
+  std::vector<Number> table;  ///< [row][column][slice]
+
+  /// Where the slice of a node begins.
+  std::size_t place(const DirectionStencil::Vertex& v, std::size_t slice) const {
+    return (v.row * directions.columns() + v.column) * slice;
+  }
+  /// `value`, and the weighted sum over the nodes of a stencil of the numbers at a place of their slices.
+  double added(double value, const DirectionStencil& s, std::size_t slice, std::size_t at) const {
+    for (std::size_t i = 0; i < s.count; ++i)
+      value += s.vertices[i].weight * table[place(s.vertices[i], slice) + at];
+    return value;
+  }
+};
+
+/// Fills the table, row by row in parallel.
+/// @param slice   numbers of a slice
+/// @param fill    (frame, values): raises a slice, which begins at the lowest numbers, to the function at a
+/// sample of the motion
+/// @param finish  (row, column, values): completes a slice of the maximum over the motion
+template <class Number, class Fill, class Finish>
+void tabulate(DirectionTable<Number>& t, std::size_t slice, const Fill& fill, const Finish& finish) {
+  const std::size_t columns = t.directions.columns(), samples = t.arc.sample_cos.size();
+  t.table.assign(t.directions.rows * columns * slice, 0);
+  parallel_for(t.directions.rows, 0, [&](std::size_t row) {
+    std::vector<Number> values(samples * slice, -std::numeric_limits<Number>::max()), memory;
+    for (std::size_t i = 0; i < samples; ++i)
+      fill(direction_frame(t.directions.polar(row), t.arc.sample_cos[i], t.arc.sample_sin[i]),
+           values.data() + i * slice);
+    if (t.arc.full) {
+      for (std::size_t i = 1; i < samples; ++i)
+        for (std::size_t c = 0; c < slice; ++c) values[c] = std::max(values[c], values[i * slice + c]);
+    } else if (t.arc.intervals > 0) {
+      memory.resize(values.size());
+      sliding_maximum(values.data(), samples, t.arc.intervals + 1, slice, memory.data());
+    }
+    Number* const to = t.table.data() + row * columns * slice;
+    for (std::size_t j = 0; j < columns; ++j) {
+      std::copy_n(values.data() + (t.arc.full ? 0 : t.arc.first(j)) * slice, slice, to + j * slice);
+      finish(row, j, to + j * slice);
+    }
+  });
 }
 
 }  // namespace qerr
