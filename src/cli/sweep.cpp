@@ -8,9 +8,9 @@
 #include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/sweep/csv_lines.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
+#include "report/sweep/shards.hpp"
 #include "report/sweep/sweep_page.hpp"
 
 namespace qerr::cli {

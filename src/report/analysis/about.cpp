@@ -9,7 +9,7 @@
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/prose.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {

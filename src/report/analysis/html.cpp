@@ -8,7 +8,7 @@
 #include "report/analysis/page/pictures.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/page/prose.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -1,4 +1,3 @@
-#include "report/analysis/proofs.hpp"
 
 #include <algorithm>
 #include <cmath>

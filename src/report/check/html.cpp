@@ -10,7 +10,6 @@
 #include "report/formats.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 /// The page of `qerr check`, of one spec or of a fleet.

@@ -8,7 +8,6 @@
 #include "report/formats.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -7,7 +7,6 @@
 #include "input/changed_spec.hpp"
 #include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/slow_errors.hpp"
 #include "report/design/design_solver.hpp"
 #include "report/design/filter_sets.hpp"
 #include "report/text_table.hpp"

@@ -4,10 +4,9 @@
 #include "report/analysis/about.hpp"
 #include "report/design/table.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
+#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -6,8 +6,6 @@
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
-#include "report/diagnosis/sections.hpp"
-#include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
 #include "report/text_picture.hpp"
 #include "report/text_table.hpp"
@@ -170,10 +168,6 @@ std::string remainder_line(const std::string& place, const Gain& g) {
                       : readable(g.rms_after / g.sigma_ratio, g.unit));
   return out;
 }
-
-}  // namespace
-
-namespace {
 
 /// `all joints: the extended model, simulated along the record: 5.5 mrad rms, measured 5.52 mrad`.
 std::string reproduction_line(const std::string& place, const Reproduction& check, const std::string& unit) {

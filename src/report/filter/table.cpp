@@ -1,7 +1,8 @@
-#include "report/filter/table.hpp"
 
 #include <cmath>
+#include <string>
 
+#include "qerr/report/filter_report.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 
@@ -96,15 +97,6 @@ std::string filter_table(const FilterReport& report, std::size_t width) {
   return out;
 }
 
-}  // namespace
-
-std::string to_table(const FilterReport& report, const Style& style) {
-  return filter_table(report, style.width) + noise_table(report, style.width) +
-         (report.estimators ? estimator_table(*report.estimators, style.width) : "");
-}
-
-namespace {
-
 std::string text_of(const MotionQuestion& m) {
   return significant(m.size, 6) + ' ' + m.unit() + (m.sine ? " at " + readable(m.frequency, "Hz") : "");
 }
@@ -128,8 +120,7 @@ std::string sine_table(const std::vector<SineErrorRow>& rows, std::size_t width)
          fitted_table(cells, width);
 }
 
-}  // namespace
-
+/// The accuracy of IPQN behind every filter, and the noise in motion; "" if the report has neither.
 std::string noise_table(const FilterReport& report, std::size_t width) {
   if (report.noise.empty()) return {};
   std::vector<std::vector<std::string>> rows{
@@ -156,8 +147,6 @@ std::string noise_table(const FilterReport& report, std::size_t width) {
   return out + sine_table(report.sine_errors, width);
 }
 
-namespace {
-
 std::string decibels(double speed, double error) {
   if (!std::isfinite(error)) return "-";
   return std::to_string(std::lround(worst_case_snr_db(speed, error))) + " dB";
@@ -168,8 +157,6 @@ bool same_encoder(const EncoderEstimators& a, const EncoderEstimators& b) {
 }
 
 std::string error_text(double error, const std::string& unit) { return readable(error, unit); }
-
-}  // namespace
 
 std::string estimator_table(const EstimatorReport& report, std::size_t width) {
   std::string out = "\nVelocity from counts, worst case: finite differences (FDM) at " +
@@ -203,6 +190,13 @@ std::string estimator_table(const EstimatorReport& report, std::size_t width) {
              "edges may "
              "fall into one tick. The paper's bound (52), as printed, is valid and loose.",
              width);
+}
+
+}  // namespace
+
+std::string to_table(const FilterReport& report, const Style& style) {
+  return filter_table(report, style.width) + noise_table(report, style.width) +
+         (report.estimators ? estimator_table(*report.estimators, style.width) : "");
 }
 
 }  // namespace qerr

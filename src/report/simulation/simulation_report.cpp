@@ -12,7 +12,7 @@
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/simulation/signals.hpp"
+#include "report/simulation/parts.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/settling.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "report/sweep/csv_lines.hpp"
+#include "report/sweep/shards.hpp"
 
 namespace qerr {
 

@@ -1,13 +1,19 @@
 #include "report/sweep/sweep_page.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/page/markup.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -133,6 +139,236 @@ void SweepPage::add(const std::string& rows) {
     take(row);
     begin = end + 1;
   }
+}
+
+namespace {
+
+/// Up to this many points of a picture each has a mark with all its digits.
+constexpr std::size_t most_marks = 250;
+/// Beyond this ratio of the values the small ones would lie on a linear axis.
+constexpr double wide_range = 20;
+
+std::string first_upper(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+/// The values of the keys, for people.
+std::string short_description(const SweepGrid& grid, std::uint64_t variant) {
+  const std::vector<std::string> keys = grid.keys(), names = grid.names(variant);
+  std::string text;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    text += (k > 0 ? ", " : "") + keys[k] + " = " + short_value(names[k]);
+  return text;
+}
+
+/// Words that a narrow column can break: of a dotted path each.
+std::string in_words(std::string path) {
+  std::replace(path.begin(), path.end(), '.', ' ');
+  return path;
+}
+
+}  // namespace
+
+std::string SweepPage::answer() const {
+  std::string text;
+  if (judged_ > 0)
+    text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
+           (met_ == 1 ? " meets" : " meet") + " all requirements";
+  if (best_ && !limits_vary_ && grid_.count() > 1)
+    text += "; variant " + std::to_string(best_->variant) + " wins, with " +
+            page::isolated(short_description(grid_, best_->variant)) + ": it takes " + percent(best_->value) +
+            " of its tightest limit";
+  // The first figure that varies says most.
+  std::size_t i = 0;
+  while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
+  if (i == least_.size())
+    i = static_cast<std::size_t>(
+        std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); }) -
+        least_.begin());
+  if (i == least_.size()) return text.empty() ? "No variant has a figure." : text + '.';
+  const Extreme &least = *least_[i], &largest = *largest_[i];
+  if (!text.empty()) text += "; ";
+  const std::string name = page::isolated(figures_[i].name);
+  if (least.value == largest.value)
+    return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
+  return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with " +
+         page::isolated(short_description(grid_, least.variant)) + ", and largest, " +
+         readable(largest.value, figures_[i].unit) + ", with " +
+         page::isolated(short_description(grid_, largest.variant)) + ".";
+}
+
+std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) const {
+  const Figure& f = figures_[figure];
+  const SweepAbscissa& a = *drawn.abscissa;
+  page::Plot plot{&drawn == drawn_.data() ? f.name : f.name + " over " + a.key,
+                  "The figure over the values of a key of the spec, one line for each combination of the "
+                  "other keys.",
+                  {page::shortened(a.key, 46), a.unit, a.logarithmic},
+                  {page::shortened(f.name, 46), f.unit},
+                  {}};
+  std::size_t marks = 0;
+  for (const DrawnVariants::Line& line : drawn.lines) marks += figures_.size() * line.variants.size();
+  double least = INFINITY, largest = 0;
+  for (const DrawnVariants::Line& line : drawn.lines) {
+    page::Series series{line.name, {}, marks <= most_marks};
+    for (const std::uint64_t v : line.variants) {
+      const std::vector<double>& values = kept_.at(v).values;
+      const double y = figure < values.size() ? values[figure] : NAN;
+      series.points.emplace_back(drawn.value(grid_, v), y);
+      if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
+    }
+    // Combinations of keys that change nothing are one line.
+    const auto same = std::find_if(plot.series.begin(), plot.series.end(),
+                                   [&](const page::Series& s) { return s.points == series.points; });
+    if (same == plot.series.end())
+      plot.series.push_back(std::move(series));
+    else
+      same->name += "; " + series.name;
+  }
+  if (!(least <= largest)) return "<p>No variant that is drawn has this figure.</p>";
+  plot.y.logarithmic = least > 0 && largest > wide_range * least;
+  if (f.requirement >= 0 && !limits_vary_) {
+    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+    plot.series.push_back(
+        {std::string("required: at ") + (r.at_least ? "least " : "most ") + readable(r.limit, r.unit),
+         {{a.values[a.order.front()], r.limit}, {a.values[a.order.back()], r.limit}}});
+  }
+  return page::figure(plot);
+}
+
+/// The figure by the key of the abscissa and by the others: the darker, the larger; what misses its
+/// requirement is crossed. "" of one line, and of more cells than a reader, or the page, takes.
+std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) const {
+  constexpr std::size_t most_columns = 16, most_cells = 1500;  // 80 bytes each
+  const std::size_t columns = drawn.lines.front().variants.size(), rows = drawn.lines.size();
+  if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
+  const Figure& f = figures_[figure];
+  const auto value = [&](std::uint64_t v) {
+    const std::vector<double>& values = kept_.at(v).values;
+    return figure < values.size() ? values[figure] : NAN;
+  };
+  double least = INFINITY, largest = -INFINITY;
+  for (const DrawnVariants::Line& line : drawn.lines)
+    for (const std::uint64_t v : line.variants)
+      if (std::isfinite(value(v))) least = std::min(least, value(v)), largest = std::max(largest, value(v));
+  if (!(least <= largest)) return "";
+  const std::vector<std::string> keys = grid_.keys();
+  const auto key =
+      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn.abscissa->key) - keys.begin());
+  std::vector<std::string> header{drawn.abscissa->key}, rows_of_cells;
+  for (const std::uint64_t v : drawn.lines.front().variants)
+    header.push_back(short_value(grid_.names(v)[key]));
+  const Requirement* limit = f.requirement >= 0 && !limits_vary_
+                                 ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
+                                 : nullptr;
+  for (const DrawnVariants::Line& line : drawn.lines) {
+    std::string row = "<th scope=\"row\">" + page::name_markup(line.name) + "</th>";
+    for (const std::uint64_t v : line.variants) {
+      const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
+      const bool missed = limit && (limit->at_least ? y < limit->limit : y > limit->limit);
+      row += std::isfinite(y)
+                 ? "<td style=\"--p:" + significant(std::round(45 * part), 2) + "%\">" +
+                       (missed ? "\u2717 " : "") + page::escaped_markup(readable(y, f.unit)) + "</td>"
+                 : "<td>-</td>";
+    }
+    rows_of_cells.push_back(row);
+  }
+  return page::table_of("matrix", header, rows_of_cells) +
+         (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
+}
+
+std::string SweepPage::bars(std::size_t figure, const DrawnVariants& drawn) const {
+  const Figure& f = figures_[figure];
+  page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
+  for (const std::uint64_t v : drawn.lines.front().variants) {
+    const std::vector<double>& values = kept_.at(v).values;
+    if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
+      bars.bars.push_back({grid_.description(v), values[figure], readable(values[figure], f.unit)});
+  }
+  return bars.bars.empty() ? "<p>No variant that is drawn has this figure.</p>" : page::figure(bars);
+}
+
+std::string SweepPage::picture(std::size_t figure, const DrawnVariants& drawn) const {
+  if (!drawn.abscissa) return bars(figure, drawn);
+  const std::string cells = matrix(figure, drawn);
+  return cells.empty() ? plot(figure, drawn)
+                       : "<div class=\"figures\">" + plot(figure, drawn) + "<div>" + cells + "</div></div>";
+}
+
+std::string SweepPage::what_is_drawn(const DrawnVariants& drawn) const {
+  const std::size_t points = drawn.lines.front().variants.size();
+  std::string text;
+  if (drawn.abscissa)
+    text = "Over " + drawn.abscissa->key + (drawn.abscissa->logarithmic ? ", logarithmic. " : ". ");
+  if (drawn.lines.size() < drawn.lines_in_all)
+    text += std::to_string(drawn.lines.size()) + " of " + std::to_string(drawn.lines_in_all) +
+            " combinations of the other keys are drawn, evenly spread over the grid. ";
+  if (points < drawn.points_in_all)
+    text += std::to_string(points) + " of " + std::to_string(drawn.points_in_all) +
+            (drawn.abscissa ? " values of the key" : " variants") + " are drawn, evenly spread. ";
+  if (limits_vary_) text += "The sweep changes the requirements, so that no limit is drawn. ";
+  return text.empty() ? "" : "<p>" + page::escaped_markup(text) + "</p>";
+}
+
+std::string SweepPage::table() const {
+  constexpr std::size_t columns = 4, most_bytes = 60'000;
+  const std::size_t shown_figures = std::min(columns, figures_.size());
+  std::vector<std::string> header{"variant"};
+  for (const std::string& key : grid_.keys()) header.push_back(in_words(key));
+  for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(in_words(figures_[i].name));
+  if (judged_ > 0) header.emplace_back("met");
+  std::vector<std::vector<std::string>> rows;
+  std::size_t bytes = 0;
+  for (const auto& [variant, row] : kept_) {
+    if (variant != rows.size()) break;  // rows beyond the first ones are kept for the pictures only
+    std::vector<std::string> cells{std::to_string(variant)};
+    for (const std::string& value : grid_.names(variant)) cells.push_back(short_value(value));
+    for (std::size_t i = 0; i < shown_figures; ++i) {
+      const double value = i < row.values.size() ? row.values[i] : NAN;
+      cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
+    }
+    if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
+    if (judged_ > 0 && best_ && !limits_vary_ && variant == best_->variant) cells.back() += ", wins";
+    for (const std::string& cell : cells) bytes += cell.size() + 20;
+    if (bytes > most_bytes) break;
+    rows.push_back(std::move(cells));
+  }
+  std::string out = page::table(header, rows);
+  if (rows.size() < grid_.count())
+    out += "<p>The first " + std::to_string(rows.size()) + " of " +
+           counted(static_cast<std::size_t>(grid_.count()), "variant") +
+           ": the CSV of the sweep has all.</p>";
+  if (shown_figures < figures_.size())
+    out += "<p>The other figures are drawn above, and in the CSV of the sweep.</p>";
+  return out;
+}
+
+std::string SweepPage::text(const SweepOutcome& outcome) const {
+  constexpr std::size_t most_spec = 40'000;
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (const DrawnVariants& drawn : drawn_) {
+    std::vector<std::pair<std::string, std::string>> pictures;
+    for (std::size_t i = 0; i < figures_.size(); ++i)
+      pictures.emplace_back(figures_[i].name, picture(i, drawn));
+    keys.emplace_back(drawn.abscissa ? drawn.abscissa->key : "",
+                      what_is_drawn(drawn) + page::choice("Figure", pictures));
+  }
+  const Spec& spec = variants_.base();
+  page::Page page{"Sweep of " + spec.robot_name,
+                  answer(),
+                  {{"Figures over the keys", page::choice("Over", keys)}, {"Variants", table()}}};
+  for (const std::string& warning : spec.warnings)
+    if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
+  page.warnings.insert(page.warnings.end(), outcome.faults.begin(), outcome.faults.end());
+  if (outcome.counts.failed > 0)
+    page.warnings.push_back(counted(static_cast<std::size_t>(outcome.counts.failed), "variant") +
+                            " cannot be computed or judged; the lines have gaps there");
+  describe(page, spec, std::nullopt);
+  page.spec_text = spec.text.size() <= most_spec
+                       ? spec.text
+                       : spec.text.substr(0, spec.text.rfind('\n', most_spec)) + "\n... (cut)\n";
+  return markup(page);
 }
 
 }  // namespace qerr
