@@ -39,7 +39,7 @@ const char* sigma_label(const Analysis& a) {
 /// @param group  of closed loops: `closed_torque`; "": of all other signals
 std::string position_table(const Analysis& a, const std::string& group, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
-  std::vector<std::vector<std::string>> rows{headings()};
+  TableRows rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const bool closed = is_closed(coordinates[i]);
     if ((closed ? coordinates[i].kind->group : "") != group) continue;
@@ -56,7 +56,7 @@ std::string position_table(const Analysis& a, const std::string& group, const St
 
 std::string derivative_table(const Analysis& a, std::size_t f, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
-  std::vector<std::vector<std::string>> rows{headings()};
+  TableRows rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const Signal& c = coordinates[i];
     if (!is_filtered(a.spec.filters[f], c)) continue;
@@ -140,7 +140,7 @@ std::string ellipsoid_tables(const Analysis& a, const Style& style) {
   const std::string axes = a.spec.model.frame == CoordinateFrame::tip ? "the tip" : "the base";
   std::string out;
   for (const TipEllipsoids& tip : tip_ellipsoids(a)) {
-    std::vector<std::vector<std::string>> rows{{"semi-axis", "sigma", "x", "y", "z"}};
+    TableRows rows{{"semi-axis", "sigma", "x", "y", "z"}};
     const auto add = [&](const std::string& where, const ErrorEllipsoid& e) {
       for (Eigen::Index i = 0; i < 3; ++i) {
         rows.push_back(
@@ -150,10 +150,9 @@ std::string ellipsoid_tables(const Analysis& a, const Style& style) {
     };
     add("mean", tip.mean);
     add("largest", tip.at_largest);
-    out += heading(
-               "Ellipsoid of one sigma of the " + std::string(tip.of) + ", directions in the axes of " + axes,
-               style) +
-           fitted_table(rows, style.width);
+    out += table_section(
+        "Ellipsoid of one sigma of the " + std::string(tip.of) + ", directions in the axes of " + axes, rows,
+        style);
   }
   if (!out.empty())
     out += wrapped(
@@ -171,7 +170,7 @@ std::string table_of(const Exceedance& e, const std::string& base, const Style& 
                   percent(static_cast<double>(e.above) / static_cast<double>(e.count)),
               style);
   if (e.above == 0) return out;
-  std::vector<std::vector<std::string>> rows{{"distance of the tip", "configurations", "above", "share"}};
+  TableRows rows{{"distance of the tip", "configurations", "above", "share"}};
   for (const Exceedance::Shell& s : e.by_distance)
     if (s.count > 0)
       rows.push_back({significant(s.from, 3) + " to " + significant(s.to, 3) + " m", std::to_string(s.count),

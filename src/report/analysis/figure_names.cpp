@@ -143,6 +143,12 @@ std::vector<FigureName> figures_of(const Spec& spec, const std::vector<Eigen::Ve
 
 }  // namespace
 
+Eigen::VectorXd configuration_of(const ConfigurationBatch& batch, std::size_t i, const Chain& chain) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
+  return q;
+}
+
 std::vector<std::string> per_configuration_names(const Spec& spec,
                                                  const std::vector<Eigen::VectorXd>& noise) {
   std::vector<std::string> names, positions;
@@ -162,10 +168,9 @@ std::vector<double> per_configuration_numbers(const Spec& spec, const std::vecto
   const std::vector<FigureName> figures = figures_of(spec, noise);
   const std::vector<Norms> norms = filter_norms(spec);
   std::vector<double> numbers, positions;
-  Eigen::VectorXd q(static_cast<Eigen::Index>(spec.model.chain.independent.size()));
   for (std::size_t i = 0; i < batch.count; ++i) {
-    for (Eigen::Index j = 0; j < q.size(); ++j)
-      numbers.push_back(q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i]);
+    const Eigen::VectorXd q = configuration_of(batch, i, spec.model.chain);
+    numbers.insert(numbers.end(), q.begin(), q.end());
     positions.clear();
     for (const FigureName& name : figures) {
       const Figure& f = name.figure;

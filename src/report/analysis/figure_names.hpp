@@ -63,6 +63,9 @@ std::string analysis_csv_rows(const Analysis&, const std::string& before,
 
 struct ConfigurationBatch;
 
+/// Joint coordinates of a configuration of a batch [rad or m].
+Eigen::VectorXd configuration_of(const ConfigurationBatch&, std::size_t i, const Chain&);
+
 /// The headers of the columns.
 /// @param noise  of `noise_in_motion`
 std::vector<std::string> per_configuration_names(const Spec&, const std::vector<Eigen::VectorXd>& noise);

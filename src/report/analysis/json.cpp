@@ -5,8 +5,8 @@
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/json_header.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 
@@ -68,18 +68,18 @@ auto share(Eigen::VectorXd CoordinateStatistics::*shares) {
   };
 }
 
-struct Covariance {
+struct ReportedCovariance {
   Eigen::MatrixXd mean, at_largest;
 };
 
-std::optional<Covariance> covariance_behind(const FilteredTip& f) {
+std::optional<ReportedCovariance> covariance_behind(const FilteredTip& f) {
   const Workspace& w = f.whole.workspace;
   const double factor = f->norms.h2 * f->norms.h2;
   if (f.i >= w.filtered.size())
-    return Covariance{factor * w.mean_covariance, factor * w.covariance_at_largest};
+    return ReportedCovariance{factor * w.mean_covariance, factor * w.covariance_at_largest};
   const auto& behind = w.filtered[f.i];
   return only_if(behind.mean_covariance.size() > 0,
-                 Covariance{behind.mean_covariance, behind.covariance_at_largest});
+                 ReportedCovariance{behind.mean_covariance, behind.covariance_at_largest});
 }
 
 std::optional<std::vector<std::pair<std::string, double>>> noise_over_ipqn(const FilteredTip& f) {
@@ -185,7 +185,7 @@ RowsOf<ReportedStatistic> rows(Of<ReportedStatistic>) {
        {"proven", proof, "the maximum over the whole joint ranges; with --prove", optional}});
 }
 
-RowsOf<Covariance> rows(Of<Covariance>) {
+RowsOf<ReportedCovariance> rows(Of<ReportedCovariance>) {
   return {{"mean", [](auto& c) { return nested(c.mean); }, "over the configurations"},
           {"at_largest", [](auto& c) { return nested(c.at_largest); }, "where its trace is largest"}};
 }

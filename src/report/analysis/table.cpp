@@ -4,7 +4,6 @@
 #include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
@@ -40,10 +39,12 @@ double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
 
 bool has_effects(const Analysis& a) { return !a.spec.model.sources.empty() || a.spec.model.along_motion; }
 
+std::string rate_unit(int derivative) {
+  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
+}
+
 std::string norm_text(const NamedFilter& f) {
-  const std::string unit = f.filter.derivative == 0   ? ""
-                           : f.filter.derivative == 1 ? "/s"
-                                                      : "/s^" + std::to_string(f.filter.derivative);
+  const std::string unit = f.filter.derivative == 0 ? "" : rate_unit(f.filter.derivative).substr(1);
   return "H2 norm " + significant(f.norms.h2, 5) + unit + ", l1 norm " + significant(f.norms.l1.upper, 5) +
          unit + ", " + readable(1 / f.filter.sample_rate, "s") + " a sample";
 }
@@ -91,7 +92,7 @@ std::string encoder_table(const Analysis& a, const Style& style) {
   const std::vector<bool> largest = largest_of(budget);
   const auto first = std::count(largest.begin(), largest.end(), true);
   const bool of_tip = !a.spec.model.coordinates.empty();
-  std::vector<std::vector<std::string>> rows{{"encoder", "resolution", "worst case", "sigma"}};
+  TableRows rows{{"encoder", "resolution", "worst case", "sigma"}};
   if (of_tip) rows.front().emplace_back("share");
   for (std::size_t i = 0; i < budget.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
@@ -101,26 +102,19 @@ std::string encoder_table(const Analysis& a, const Style& style) {
                     readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit)});
     if (of_tip) rows.back().push_back(percent(budget[i]));
   }
-  const std::string text = aligned(rows), mark = first == 1 ? "  <- first" : "  <- equal";
+  std::vector<std::string> lines = aligned_lines(rows);
+  const std::string mark = first == 1 ? "  <- first" : "  <- equal";
   std::size_t table_width = 0;
-  for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
-    end = text.find('\n', at);
-    table_width = std::max(table_width, display_width(text.substr(at, end - at)));
-  }
+  for (const std::string& line : lines) table_width = std::max(table_width, display_width(line));
   const std::size_t beside = table_width + 2 + mark.size();
   const int bar_width = beside + 3 > style.width ? 0 : std::min(12, static_cast<int>(style.width - beside));
-  std::string out;
-  std::size_t at = 0;
-  for (std::size_t i = 0; at < text.size(); ++i) {
-    const std::size_t end = text.find('\n', at);
-    std::string line = text.substr(at, end - at);
-    at = end + 1;
-    const std::string share = i > 0 && bar_width > 0 ? bar(budget[i - 1], bar_width) : "";
+  for (std::size_t i = 0; i < budget.size(); ++i) {
+    std::string& line = lines[i + 1];
+    const std::string share = bar_width > 0 ? bar(budget[i], bar_width) : "";
     if (!share.empty()) line += "  " + share;
-    if (i > 0 && largest[i - 1] && budget.size() > 1) line = painted(line + mark, Paint::yellow, style);
-    out += line + '\n';
+    if (largest[i] && budget.size() > 1) line = painted(line + mark, Paint::yellow, style);
   }
-  return out;
+  return joined(lines, "\n") + '\n';
 }
 
 namespace {
@@ -147,8 +141,7 @@ std::string accuracy_table(const Analysis& a, const Style& style) {
     sum.effects += p.effects;
   }
   const bool effects = sum.effects > 0;
-  std::vector<std::vector<std::string>> rows{
-      {"encoder", "half a count", "accuracy", "resolution", "accuracy"}};
+  TableRows rows{{"encoder", "half a count", "accuracy", "resolution", "accuracy"}};
   rows[0][3] = "share of resolution";
   rows[0][4] = "share of accuracy";
   if (effects) rows[0].emplace_back("share of effects");
@@ -161,43 +154,34 @@ std::string accuracy_table(const Analysis& a, const Style& style) {
                           slow > 0 ? readable(slow, unit) : "", parts[e], effects));
   }
   rows.push_back(row_of("all", "", "", sum, effects));
-  return heading("Accuracy or resolution: where the tip's variance comes from", style) +
-         fitted_table(rows, style.width) +
-         wrapped("without the accuracies sigma would be " + percent(fall_of_sigma(sum.accuracy)) +
-                     " less, with infinitely fine counts " + percent(fall_of_sigma(sum.quantization)) +
-                     " less",
-                 style.width, "  ");
+  return table_section("Accuracy or resolution: where the tip's variance comes from", rows, style,
+                       "without the accuracies sigma would be " + percent(fall_of_sigma(sum.accuracy)) +
+                           " less, with infinitely fine counts " + percent(fall_of_sigma(sum.quantization)) +
+                           " less");
 }
 
 std::string parameters_text(const Spec& spec, const Effect& effect) {
-  std::string text;
-  for (const EffectParameter& p : effect_parameters(spec, effect)) {
-    if (p.usual) continue;
-    text += (text.empty() ? "" : ", ") + p.name + ' ' +
-            (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit));
-  }
+  std::vector<std::string> all;
+  for (const EffectParameter& p : effect_parameters(spec, effect))
+    if (!p.usual)
+      all.push_back(p.name + ' ' + (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit)));
   for (const Parameter& row : effect_kind(effect.type).parameters) {
     const auto choice = effect.choices.find(std::string(row.name));
-    if (choice != effect.choices.end())
-      text += (text.empty() ? "" : ", ") + choice->first + ' ' + choice->second;
+    if (choice != effect.choices.end()) all.push_back(choice->first + ' ' + choice->second);
   }
-  return text;
+  return joined(all);
 }
 
 namespace {
 
 /// The lines, each with its text at the end; below it where the line would be too wide.
-std::string with_texts(const std::string& lines, const std::vector<std::string>& texts, std::size_t width) {
+std::string with_texts(const std::vector<std::string>& lines, const std::vector<std::string>& texts,
+                       std::size_t width) {
   std::string out;
-  std::size_t at = 0;
-  for (const std::string& text : texts) {
-    const std::size_t end = lines.find('\n', at);
-    const std::string line = lines.substr(at, end - at);
-    at = end + 1;
-    if (text.empty() || display_width(line) + 2 + display_width(text) <= width)
-      out += line + (text.empty() ? "" : "  " + text) + '\n';
-    else
-      out += line + '\n' + wrapped(text, width, "      ");
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const bool beside = texts[i].empty() || display_width(lines[i]) + 2 + display_width(texts[i]) <= width;
+    out += lines[i] + (beside && !texts[i].empty() ? "  " + texts[i] : "") + '\n';
+    if (!beside) out += wrapped(texts[i], width, "      ");
   }
   return out;
 }
@@ -205,7 +189,7 @@ std::string with_texts(const std::string& lines, const std::vector<std::string>&
 }  // namespace
 
 std::string effect_table(const Spec& spec, const std::vector<EffectShare>& shares, const Style& style) {
-  std::vector<std::vector<std::string>> rows{{"effect", "joint", "mean", "worst case", "sigma"}};
+  TableRows rows{{"effect", "joint", "mean", "worst case", "sigma"}};
   std::vector<std::string> parameters{"parameters"};
   bool unknown = false, elsewhere = false;
   for (const EffectShare& s : shares) {
@@ -225,7 +209,7 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
     parameters.push_back(parameters_text(spec, s.effect));
     rows.push_back(std::move(row));
   }
-  return with_texts(aligned(rows), parameters, style.width) +
+  return with_texts(aligned_lines(rows), parameters, style.width) +
          (unknown ? "  ?: not known, and not in the figures below\n" : "") +
          (elsewhere ? "  -: affects the log or the reference only, not the robot\n" : "") +
          wrapped(
@@ -279,13 +263,11 @@ std::string rigorous_note(const Analysis& a, const Style& style) {
                  "  ");
 }
 
-using Rows = std::vector<std::vector<std::string>>;
-
 /// The rows of the position, then those of each filter.
-std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
+std::vector<TableRows> blocks_of(const Analysis& a, bool motion) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
   const Workspace& w = a.workspace;
-  std::vector<Rows> blocks(1 + a.spec.filters.size());  // those of filters without signals stay empty
+  std::vector<TableRows> blocks(1 + a.spec.filters.size());  // those of filters without signals stay empty
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     blocks[0].push_back(summary_row(coordinates[i], coordinates[i].unit, &w.coordinates[i].sigma, nullptr,
                                     motion, w.coordinates[i].worst_case));
@@ -312,32 +294,24 @@ std::string table_of_rows(const Analysis& a, const Style& style) {
   std::vector<std::string> header{"", "", "sigma median", "sigma max"};
   if (motion) header.insert(header.end(), {"in motion median", "in motion max"});
   header.insert(header.end(), {"worst median", "worst max"});
-  const std::vector<Rows> blocks = blocks_of(a, motion);
-  Rows all{header};
-  for (const Rows& block : blocks) all.insert(all.end(), block.begin(), block.end());
-  const std::string text = fitted_table(all, style.width, "    ");
+  const std::vector<TableRows> blocks = blocks_of(a, motion);
+  TableRows all{header};
+  for (const TableRows& block : blocks) append(all, block);
+  const std::vector<std::string> lines = lines_of(fitted_table(all, style.width, "    "));
   constexpr std::size_t tallest_header = 3;
-  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  const std::size_t above = lines - (all.size() - 1);
+  std::size_t at = lines.size() - (all.size() - 1);  // the line at which the next block begins
+  const bool whole = at <= tallest_header;  // else, on a narrow terminal, columns are in several tables
   std::string out;
-  if (above > tallest_header) {  // a narrow terminal: the columns are in several tables
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (blocks[i].empty()) continue;
-      Rows rows{header};
-      rows.insert(rows.end(), blocks[i].begin(), blocks[i].end());
-      out += title_of(a, i, style) + fitted_table(rows, style.width, "    ");
+  for (std::size_t i = 0; whole && i < at; ++i) out += lines[i] + '\n';
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (blocks[i].empty()) continue;
+    out += title_of(a, i, style);
+    if (!whole) {
+      TableRows rows{header};
+      append(rows, blocks[i]);
+      out += fitted_table(rows, style.width, "    ");
     }
-    return out;
-  }
-  std::size_t at = 0, block = 0, next = above;  // the line at which the next block begins
-  for (std::size_t line = 0; at < text.size(); ++line) {
-    for (; line == next && block < blocks.size(); ++block) {
-      next += blocks[block].size();
-      if (!blocks[block].empty()) out += title_of(a, block, style);
-    }
-    const std::size_t end = text.find('\n', at);
-    out += text.substr(at, end - at + 1);
-    at = end + 1;
+    for (std::size_t row = 0; whole && row < blocks[i].size(); ++row) out += lines[at++] + '\n';
   }
   return out;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +31,9 @@ std::string ellipsoid_tables(const Analysis&, const Style&);
 std::string exceedance_tables(const Analysis&, const Style&);
 
 bool has_effects(const Analysis&);
+
+/// Of what a filter passes over what enters: `1/s` of a velocity, "" of a position.
+std::string rate_unit(int derivative);
 
 /// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.
 std::string norm_text(const NamedFilter&);

@@ -3,12 +3,12 @@
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/analysis/json_header.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -21,17 +21,13 @@ bool SpecCheck::all_met() const {
 SpecCheck check(const Spec& spec, const WorkspaceOptions& options, const Baseline* baseline,
                 const ProofRequest& proofs) {
   if (spec.requirements.empty() && !baseline)
-    throw Error(
-        Fault{{spec.file, 1, 1},
-              "requirements",
-              "the spec has none: there is nothing to check",
-              "",
-              "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
-              "earlier report: --baseline OLD.json"});
+    throw spec_error(spec, "requirements", "the spec has none: there is nothing to check", "",
+                     "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
+                     "earlier report: --baseline OLD.json");
   SpecCheck report = evaluate(spec, options, proofs);
   if (!baseline) return report;
   report.baseline = against(*baseline, named_figures(report));
-  for (const std::string& warning : report.baseline->warnings) report.analysis.warnings.push_back(warning);
+  append(report.analysis.warnings, report.baseline->warnings);
   return report;
 }
 
@@ -146,42 +142,27 @@ RowsOf<CheckReport> rows(Of<CheckReport>) {
        {"met", &CheckReport::all_met, "all of all"}});
 }
 
-std::string largest_place(const Analysis& a, const Eigen::VectorXd& q) {
-  std::vector<std::string> joints;
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
-    joints.push_back(shown(joint.name) + ' ' + readable(q[i], joint.prismatic() ? "m" : "rad"));
-  }
-  std::string out;
-  for (std::size_t i = 0; i < joints.size(); ++i) out += (i ? ", " : "") + joints[i];
-  return out;
-}
-
 namespace {
 
 std::string table_of(const SpecCheck& check, const Style& style) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = check.analysis.spec.requirements[i];
     const RequirementResult& result = check.results[i];
-    const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
-                    value_text(r, result.value), relation, readable(r.limit, r.unit),
+                    value_text(r, result.value), relation(r.at_least, result.met), readable(r.limit, r.unit),
                     result.met         ? "met"
                     : result.undecided ? "NOT PROVEN"
                                        : "NOT MET"});
   }
-  const std::string text = aligned(rows);
+  const std::vector<std::string> lines = aligned_lines(rows);
   std::string out;
-  std::size_t at = 0;
-  for (std::size_t i = 0; i < check.results.size(); ++i) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
     const RequirementResult& result = check.results[i];
-    const std::size_t end = text.find('\n', at);
-    const std::string line = text.substr(at, end - at);
-    at = end + 1;
-    out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
+    out += (result.met ? lines[i] : painted(lines[i], Paint::red, style)) + '\n';
     if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
-      out += wrapped("largest at " + largest_place(check.analysis, result.at_max), style.width, "      ");
+      out += wrapped("largest at " + configuration_text(check.analysis.spec.model.chain, result.at_max),
+                     style.width, "      ");
     if (result.undecided)
       out += wrapped("between " + readable(result.proven->lower, check.analysis.spec.requirements[i].unit) +
                          ", which is reached, and the proven bound: " + std::string(undecided_remedy),
@@ -194,7 +175,7 @@ std::string baseline_table(const BaselineCheck& b, const Style& style) {
   const std::vector<FigureChange> worst = b.worst_by_quantity();
   const std::size_t shown_rows = std::min(worst.size(), most_regressions);
   std::string out = wrapped("Baseline: " + verdict(b), style.width);
-  std::vector<std::vector<std::string>> rows{{"figure", "baseline", "now", "change"}};
+  TableRows rows{{"figure", "baseline", "now", "change"}};
   for (std::size_t i = 0; i < shown_rows; ++i)
     rows.push_back({shown(worst[i].figure.name()), readable(*worst[i].a, worst[i].figure.unit),
                     readable(*worst[i].b, worst[i].figure.unit), change_text(worst[i])});

@@ -29,6 +29,11 @@ double relative_change(double a, double b) {
 
 namespace {
 
+Error report_error(const std::string& file, const std::string& key, const std::string& rule,
+                   const std::string& found, const std::string& remedy) {
+  return Error(Fault{{file}, key, rule, found, remedy});
+}
+
 /// Reports of analyze and of check have the same figures, those of filter others; a spec has all.
 bool comparable(const NamedFigures& a, const NamedFigures& b) {
   const auto all = [](const NamedFigures& f) { return f.command == "spec"; };
@@ -37,21 +42,17 @@ bool comparable(const NamedFigures& a, const NamedFigures& b) {
 
 void require_comparable(const NamedFigures& a, const NamedFigures& b) {
   if (!comparable(a, b))
-    throw Error(Fault{{b.file},
-                      "command",
-                      "both reports must be of one command",
-                      quoted(b.command) + ", and " + quoted(a.command) + " in " + a.file,
-                      "compare the specs, or reports of one command"});
+    throw report_error(b.file, "command", "both reports must be of one command",
+                       quoted(b.command) + ", and " + quoted(a.command) + " in " + a.file,
+                       "compare the specs, or reports of one command");
 }
 
 void require_one_unit(const NamedFigure& a, const NamedFigure& b, const NamedFigures& in_a,
                       const NamedFigures& in_b) {
   if (a.unit == b.unit) return;
-  throw Error(Fault{{in_b.file},
-                    b.quantity,
-                    "a figure must have one unit",
-                    quoted(b.unit) + ", and " + quoted(a.unit) + " in " + in_a.file,
-                    "do both estimate the same derivative? Give different filters different names"});
+  throw report_error(in_b.file, b.quantity, "a figure must have one unit",
+                     quoted(b.unit) + ", and " + quoted(a.unit) + " in " + in_a.file,
+                     "do both estimate the same derivative? Give different filters different names");
 }
 
 /// Of each unit the size below which a figure is the rounding of a zero: a coordinate that no encoder moves
@@ -211,11 +212,9 @@ Baselines read_baselines(const std::string& text, const std::string& file, doubl
   Baselines baselines;
   for (NamedFigures& figures : read_all_named_figures(text, file)) {
     if (figures.command == "filter")
-      throw Error(Fault{{file},
-                        "command",
-                        "a baseline must be a report of check or analyze",
-                        quoted(figures.command),
-                        "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json"});
+      throw report_error(file, "command", "a baseline must be a report of check or analyze",
+                         quoted(figures.command),
+                         "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json");
     baselines.push_back({std::move(figures), tolerance});
   }
   return baselines;
@@ -246,11 +245,9 @@ const Baseline& baseline_of(const Baselines& baselines, const std::string& spec,
 BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
   const NamedFigures& old = baseline.figures;
   if (old.robot != now.robot && !old.robot.empty() && !now.robot.empty())
-    throw Error(Fault{{old.file},
-                      "robot",
-                      "the baseline is that of another robot or chain than " + quoted(now.file),
-                      quoted(old.robot) + ", here " + quoted(now.robot),
-                      "write it anew: qerr check SPEC -o OLD.json"});
+    throw report_error(
+        old.file, "robot", "the baseline is that of another robot or chain than " + quoted(now.file),
+        quoted(old.robot) + ", here " + quoted(now.robot), "write it anew: qerr check SPEC -o OLD.json");
   BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, {}, comparison_warnings(old, now)};
   for (const FigureChange& c : figure_changes(old, now)) {
     check.compared += c.in_both();
@@ -258,11 +255,9 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
     if (c.in_both() && is_worse(c, baseline.tolerance, old, now)) check.regressions.push_back(c);
   }
   if (check.compared == 0)
-    throw Error(Fault{{old.file},
-                      "",
-                      "the baseline has none of the figures of " + quoted(now.file),
-                      check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
-                      "write it anew with the same coordinates and filters: qerr analyze SPEC -o OLD.json"});
+    throw report_error(old.file, "", "the baseline has none of the figures of " + quoted(now.file),
+                       check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
+                       "write it anew with the same coordinates and filters: qerr analyze SPEC -o OLD.json");
   for (const JudgedRequirement& r : old.requirements)
     if (std::none_of(now.requirements.begin(), now.requirements.end(),
                      [&](const JudgedRequirement& other) { return same_limit(r, other); }))

@@ -50,9 +50,7 @@ std::string cause_or_alternative(const Diagnosis& d) {
 
 std::string unidentified_places(const Diagnosis& d) {
   std::vector<std::string> places;
-  for (const Unidentified& u : d.unexplained)
-    if (std::find(places.begin(), places.end(), shown(u.joint)) == places.end())
-      places.push_back(shown(u.joint));
+  for (const Unidentified& u : d.unexplained) add_once(places, shown(u.joint));
   return listed(places);
 }
 
@@ -191,9 +189,7 @@ std::string size_words(const DiagnosisReport& r, const Cause& c) {
   const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
   if (!in_counts && encoder && c.rms > 0)
     parts.push_back(significant(c.rms / encoder->resolution, 3) + " counts rms in this record");
-  std::string out;
-  for (const std::string& part : parts) out += (out.empty() ? "" : ", ") + part;
-  return out;
+  return joined(parts);
 }
 
 std::string loss_words(const DiagnosisReport& r, const Cause& c) {
@@ -249,12 +245,12 @@ std::string cell(const Diagnosis& d, const std::string& effect, const std::strin
 
 }  // namespace
 
-std::vector<std::vector<std::string>> visible_sizes(const Diagnosis& d) {
+TableRows visible_sizes(const Diagnosis& d) {
   std::vector<std::string> effects, joints;
   for (const Visible& v : d.visible)
     if (std::isfinite(v.smallest)) add_once(effects, v.effect), add_once(joints, v.joint);
   if (effects.empty()) return {};
-  std::vector<std::vector<std::string>> rows{{"effect"}};
+  TableRows rows{{"effect"}};
   for (const std::string& joint : joints) rows.front().push_back(shown(joint));
   for (const std::string& effect : effects) {
     rows.push_back({effect});
@@ -284,7 +280,7 @@ std::vector<std::string> hidden_lines(const Diagnosis& d) {
 std::string visible_section(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   if (d.verdict != Verdict::nothing_wrong && !style.details) return "";
-  const std::vector<std::vector<std::string>> sizes = visible_sizes(d);
+  const TableRows sizes = visible_sizes(d);
   const std::vector<std::string> hidden = hidden_lines(d);
   std::string out;
   if (!sizes.empty())

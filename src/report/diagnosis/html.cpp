@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/text.hpp"
@@ -73,7 +72,7 @@ std::string causes_part(const DiagnosisReport& r) {
 }
 
 std::string parameters_part(const DiagnosisReport& r) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (const Cause& c : r.diagnosis.causes)
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       rows.push_back({label(c), p.figure.name, parameter_size(r.spec, c, p), probability_text(c.p_value)});
@@ -120,22 +119,17 @@ std::string record_part(const DiagnosisReport& r) {
 }
 
 std::string visible_part(const DiagnosisReport& r) {
-  std::vector<std::vector<std::string>> sizes = visible_sizes(r.diagnosis);
+  TableRows sizes = visible_sizes(r.diagnosis);
   if (sizes.empty()) return "";
-  const std::vector<std::string> header = sizes.front();
-  sizes.erase(sizes.begin());
-  return page::paragraph("Each effect from this size on, had it been there:") + page::table(header, sizes);
+  return page::paragraph("Each effect from this size on, had it been there:") + page::table(std::move(sizes));
 }
 
 std::string gain_part(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   if (d.verdict == Verdict::cannot_judge && d.causes.empty()) return "";
-  std::vector<std::vector<std::string>> rows = gain_rows(d);
-  const std::vector<std::string> header = rows.front();
-  rows.erase(rows.begin());
   std::vector<std::string> remarks = prediction_lines(d.gain);
   if (d.gain.held_out) remarks.insert(remarks.begin(), "after: on held-out blocks of the log");
-  return page::table(header, rows) + page::list(remarks);
+  return page::table(gain_rows(d)) + page::list(remarks);
 }
 
 namespace {

@@ -205,13 +205,13 @@ struct Subject {
 };
 
 /// A cell without a value is empty.
-struct Figure {
+struct ReportedFigure {
   std::string figure = {};
   double value = NAN, lower = NAN, upper = NAN, p_value = NAN;
   std::string unit = {}, text = {};
 };
 
-std::string line(const Subject& s, const Figure& f) {
+std::string line(const Subject& s, const ReportedFigure& f) {
   std::string text = s.section + ',' + csv_cell(s.joint) + ',' + csv_cell(s.name) + ',' + csv_cell(f.figure);
   for (const double value : {f.value, f.lower, f.upper, f.p_value}) text += ',' + csv_number(value);
   return text + ',' + f.unit + ',' + csv_cell(f.text) + "\r\n";
@@ -221,11 +221,11 @@ std::string line(const Subject& s, const Figure& f) {
 std::string gain_lines(const Subject& subject, const Gain& g) {
   std::string lines;
   const Json gain = json_of(g);
-  const Figure ratio{.figure = "ratio",
-                     .value = g.ratio(),
-                     .lower = g.held_out ? g.lower : NAN,
-                     .upper = g.held_out ? g.upper : NAN,
-                     .text = g.held_out ? "held out" : ""};
+  const ReportedFigure ratio{.figure = "ratio",
+                             .value = g.ratio(),
+                             .lower = g.held_out ? g.lower : NAN,
+                             .upper = g.held_out ? g.upper : NAN,
+                             .text = g.held_out ? "held out" : ""};
   for (const auto& [name, value] : gain.members())
     if (name == "ratio")
       lines += line(subject, ratio);
@@ -267,9 +267,10 @@ std::string unexplained_lines(const Spec& spec, const Unidentified& u) {
 /// in a row of its own the kind.
 std::string data_lines(const DataFinding& f) {
   const Subject subject{"data", f.joint, f.what};
-  const Figure begin = f.row ? Figure{.figure = "row", .value = static_cast<double>(*f.row), .text = f.remedy}
-                       : f.time ? Figure{.figure = "time", .value = *f.time, .unit = "s", .text = f.remedy}
-                                : Figure{.text = f.remedy};
+  const ReportedFigure begin =
+      f.row    ? ReportedFigure{.figure = "row", .value = static_cast<double>(*f.row), .text = f.remedy}
+      : f.time ? ReportedFigure{.figure = "time", .value = *f.time, .unit = "s", .text = f.remedy}
+               : ReportedFigure{.text = f.remedy};
   return line(subject, begin) + line(subject, {.figure = "kind", .text = std::string(name(f.kind))});
 }
 

@@ -2,12 +2,12 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/write.hpp"
 #include "report/rows.hpp"
+#include "report/text_table.hpp"
 
 /// What the formats and files of a diagnosis share.
 namespace qerr {
@@ -29,9 +29,6 @@ std::string with_interval(const ReportedParameter&);
 RowsOf<Gain> rows(Of<Gain>);
 
 /// The sections of the table of a diagnosis, each "" if there is nothing to report.
-
-/// Appends an item that the list does not have yet.
-void add_once(std::vector<std::string>& list, const std::string& item);
 
 /// A size for people: `5.49 counts = 400 urad = 1.38 arcmin`.
 /// @param unit     rad or m
@@ -85,14 +82,14 @@ std::vector<std::string> remainder_lines(const Diagnosis&);
 std::vector<std::string> advice_lines(const Diagnosis&);
 
 /// Rms of the residual before and after, in units and counts: a header and a row for each place.
-std::vector<std::vector<std::string>> gain_rows(const Diagnosis&);
+TableRows gain_rows(const Diagnosis&);
 
 /// How well the extended model predicts each reading.
 std::vector<std::string> prediction_lines(const Gain&);
 
 /// The smallest visible sizes under a header: effects as rows, joints as columns, without those in which
 /// nothing is visible.
-std::vector<std::vector<std::string>> visible_sizes(const Diagnosis&);
+TableRows visible_sizes(const Diagnosis&);
 
 /// One line for all effects of a joint that are hidden for the same reason.
 std::vector<std::string> hidden_lines(const Diagnosis&);

@@ -14,6 +14,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/norms.hpp"
 #include "report/csv_text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -179,7 +180,7 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
   }
   if (q.estimators) report.estimators = estimator_report(spec, q.clock);
   report.warnings = spec.warnings;
-  for (std::string& warning : filter_warnings(spec)) report.warnings.push_back(std::move(warning));
+  append(report.warnings, filter_warnings(spec));
   return report;
 }
 

@@ -12,19 +12,16 @@
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
 namespace {
-
-/// `1/s` of a velocity, "" of a position.
-std::string rate_unit(int derivative) {
-  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
-}
 
 /// The cut-off that the filter was designed with [Hz].
 std::optional<double> stated_cutoff(const FilterFigures& f) {
@@ -123,7 +120,7 @@ std::vector<ScannedFilter> front_of(const std::vector<const FilterFigures*>& fil
 
 /// The quietest low-pass within each of some round delays, around those of the spec's filters.
 std::string delay_table(const std::vector<ScannedFilter>& front, double most, const std::string& unit) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (int decade = -7; decade < 3; ++decade)
     for (const double digit : {1.0, 2.0, 3.0, 5.0}) {
       const double delay = digit * std::pow(10, decade);
@@ -308,7 +305,7 @@ std::string answer_figures(const FilterFigures& f, std::size_t filters) {
 }
 
 std::string norm_rows(const FilterReport& r) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (const FilterFigures& f : r.filters) {
     const std::string unit = rate_unit(f.filter.derivative);
     rows.push_back({f.name, readable(f.norms.h2, unit), readable(f.norms.l1.upper, unit),

@@ -1,3 +1,4 @@
+#include "report/analysis/tables.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
 #include "report/json_header.hpp"
@@ -149,13 +150,15 @@ namespace {
 /// `filter,quantity,unit,value`.
 std::string filter_csv(const FilterReport& report) {
   std::string out = "filter,quantity,unit,value\r\n";
-  for (const FilterFigures& f : report.filters) {
-    const int order = f.filter.derivative;
-    const std::string d = order == 0 ? "" : order == 1 ? "1/s" : "1/s^" + std::to_string(order);
-    const auto row = [&](const std::string& quantity, const std::string& unit,
-                         const std::optional<double>& value) {
-      out += csv_cell(f.name) + ',' + quantity + ',' + unit + ',' + csv_number(value) + "\r\n";
+  const auto row_of = [&out](const std::string& filter) {
+    return [&out, name = csv_cell(filter)](const std::string& quantity, const std::string& unit,
+                                           const std::optional<double>& value) {
+      out += name + ',' + quantity + ',' + unit + ',' + csv_number(value) + "\r\n";
     };
+  };
+  for (const FilterFigures& f : report.filters) {
+    const std::string d = rate_unit(f.filter.derivative);
+    const auto row = row_of(f.name);
     row("h2_norm", d, f.norms.h2);
     row("h2_error", d, f.norms.h2_error);
     row("l1_norm.lower", d, f.norms.l1.lower);
@@ -191,9 +194,7 @@ std::string filter_csv(const FilterReport& report) {
     }
   }
   for (const FilterNoise& f : report.noise) {
-    const auto row = [&](const char* quantity, const char* unit, const std::optional<double>& value) {
-      out += csv_cell(f.filter) + ',' + quantity + ',' + unit + ',' + csv_number(value) + "\r\n";
-    };
+    const auto row = row_of(f.filter);
     row("ipqn_within_10_percent_above", "counts/sample", f.within_10_percent);
     row("ipqn_within_1_percent_above", "counts/sample", f.within_1_percent);
     row("noise_rise_time", "s", f.rise_time);

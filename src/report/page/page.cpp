@@ -32,13 +32,26 @@ std::string table_of(std::string_view style, const std::vector<std::string>& hea
   return out + "</tbody></table></div>\n";
 }
 
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+std::string table(const std::vector<std::string>& header, const TableRows& rows) {
   std::vector<std::string> marked;
   for (const auto& row : rows) {
     marked.emplace_back();
     for (const std::string& text : row) marked.back() += cell(isolated_runs(text));
   }
   return table_of("plain", header, marked);
+}
+
+std::string table(TableRows rows, const std::string& corner) {
+  std::vector<std::string> header = std::move(rows.front());
+  if (header.front().empty()) header.front() = corner;
+  rows.erase(rows.begin());
+  return table(header, rows);
+}
+
+std::string title_list(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::string out = "<div class=\"head\"><dl class=\"about\">";
+  for (const auto& [name, text] : entries) out += "<dt>" + name + "</dt><dd>" + text + "</dd>";
+  return out + "</dl>";
 }
 
 std::string choice(const std::string& label,
@@ -61,7 +74,7 @@ std::string markup(const Page& page) {
       escaped_markup(page.title) + "</title><style>" + std::string(style_sheet) +
       "</style></head><body><main>\n<h1>" + name_markup(page.title) + "</h1>\n<p class=\"answer\">" +
       escaped_markup(page.answer) + "</p>\n" + page.about + "<div class=\"sections\">\n";
-  for (const Section& s : page.sections)
+  for (const PageSection& s : page.sections)
     out += "<section><h2>" + escaped_markup(s.heading) + "</h2>\n" + s.body + "</section>\n";
   if (!page.warnings.empty()) {
     out += "<section><h2>Warnings and assumptions</h2><ul>\n";
@@ -80,7 +93,7 @@ std::size_t bytes_left(const Page& page) {
   // Some texts are given without the entities and elements around them: a reserve of 25 kB.
   constexpr std::size_t most = 275000, fewest = 40000;
   std::size_t taken = page.answer.size() + page.about.size() + page.spec_text.size();
-  for (const Section& s : page.sections) taken += s.heading.size() + s.body.size();
+  for (const PageSection& s : page.sections) taken += s.heading.size() + s.body.size();
   for (const std::string& w : page.warnings) taken += w.size();
   return most > taken + fewest ? most - taken : fewest;
 }

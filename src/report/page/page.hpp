@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "report/page/frame.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::page {
 
 /// A page that stands alone: HTML 5 that is also well-formed XML, without any request.
 
-struct Section {
+struct PageSection {
   std::string heading;
   std::string body;  ///< markup
 };
@@ -20,7 +21,7 @@ struct Section {
 struct Page {
   std::string title;
   std::string answer;  ///< one sentence, text
-  std::vector<Section> sections;
+  std::vector<PageSection> sections;
   std::vector<std::string> warnings = {};
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
   std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
@@ -46,7 +47,14 @@ std::string table_of(std::string_view style, const std::vector<std::string>& hea
                      const std::vector<std::string>& rows);
 
 /// A table for people and screen readers. The cells are text.
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
+std::string table(const std::vector<std::string>& header, const TableRows& rows);
+
+/// The same of a terminal's table, whose first row is the header.
+/// @param corner  the header of the first column, where that has none
+std::string table(TableRows rows, const std::string& corner = "");
+
+/// Names and their markup as the block at the head of a page, which is left open: `</div>`.
+std::string title_list(const std::vector<std::pair<std::string, std::string>>& entries);
 
 /// Several figures of which one is shown at a time, chosen from a list by its name; all of them without a
 /// script.

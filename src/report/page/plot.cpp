@@ -288,10 +288,8 @@ std::string chart_begin(const std::string& title, const std::string& description
     labels += drawn_text(middle, a.bottom + 13, "tick mid", t.label);
     free_from = middle + half + 6;
   }
-  return "<figure><figcaption>" + escaped_markup(title) + "</figcaption><svg role=\"img\" viewBox=\"0 0 " +
-         fixed_point(chart_width, 0) + ' ' + fixed_point(a.bottom + axis_height - 8, 0) +
-         "\" xmlns=\"http://www.w3.org/2000/svg\"><title>" + escaped_markup(title) + "</title><desc>" +
-         escaped_markup(description) + "</desc><path class=\"grid\" d=\"" + grid + "\"/>" + labels;
+  return figure_begin(title, description, chart_width, a.bottom + axis_height - 8) +
+         "<path class=\"grid\" d=\"" + grid + "\"/>" + labels;
 }
 
 std::string drawn_bar(const Bar& bar, double y, const BarAxis& a) {

@@ -9,6 +9,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/diagnosis_report.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
 #include "report/json_header.hpp"
@@ -22,11 +23,8 @@ RowsOf<PlannedJoint> rows(Of<PlannedJoint>);
 
 PlanReport plan_report(const Spec& spec, const PlanOptions& options) {
   if (!spec.motion)
-    throw Error(Fault{{spec.file, 1, 1},
-                      "motion",
-                      "the spec has no motion to plan with",
-                      "",
-                      "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}"});
+    throw spec_error(spec, "motion", "the spec has no motion to plan with", "",
+                     "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}");
   PlanReport report{spec, plan(spec.model, spec.effects, *spec.motion, options), spec.warnings};
   if (options.reference_noise > 0.3)
     report.warnings.emplace_back(
@@ -53,14 +51,14 @@ void add_rows(std::string& out, const char* motion, const std::vector<PlannedJoi
   for (const PlannedJoint& joint : joints) {
     const Json json = json_of(joint);
     for (std::size_t i = 0; i < joint.effects.size(); ++i) {
-      std::string twins;
+      std::vector<std::string> twins;
       for (const CorrelatedEffect& r : joint.effects[i].correlated)
-        if (r.inseparable()) twins += (twins.empty() ? "" : "; ") + family_of(r.effect);
+        if (r.inseparable()) twins.push_back(family_of(r.effect));
       out += std::string(motion) + ',' + csv_cell(joint.joint) + ',' +
              csv_cells((*json.find("effects")->items())[i],
                        {"effect", "shaft", "order", "time_constant", "parameter", "seen", "named", "unit",
                         "seen_counts", "named_counts"}) +
-             ',' + csv_cell(twins) + "\r\n";
+             ',' + csv_cell(joined(twins, "; ")) + "\r\n";
     }
   }
 }
@@ -232,15 +230,13 @@ std::string text_of(const std::optional<Cell>& cell) {
 std::vector<std::string> families(const std::vector<PlannedJoint>& joints) {
   std::vector<std::string> list;
   for (const PlannedJoint& joint : joints)
-    for (const PlannedEffect& p : joint.effects)
-      if (std::find(list.begin(), list.end(), family_of(p.effect)) == list.end())
-        list.push_back(family_of(p.effect));
+    for (const PlannedEffect& p : joint.effects) add_once(list, family_of(p.effect));
   return list;
 }
 
 /// Smallest sizes in counts: one row per effect, one column per joint that moves.
 std::string matrix(const std::vector<PlannedJoint>& joints) {
-  std::vector<std::vector<std::string>> rows{{""}};
+  TableRows rows{{""}};
   for (const PlannedJoint& joint : joints)
     if (joint.moves) rows[0].push_back(shown(joint.joint));
   for (const std::string& family : families(joints)) {
@@ -251,46 +247,33 @@ std::string matrix(const std::vector<PlannedJoint>& joints) {
   return aligned(rows);
 }
 
-/// Pairs of families that are not distinguishable at a joint, each pair once.
-std::set<std::pair<std::string, std::string>> pairs(const PlannedJoint& joint) {
-  std::set<std::pair<std::string, std::string>> found;
-  for (const PlannedEffect& p : joint.effects)
-    for (const CorrelatedEffect& r : p.correlated)
-      if (r.inseparable()) {
+/// Every pair of families that are not distinguishable with its joints, grouped by what to record to
+/// distinguish them.
+std::string twins(const std::vector<PlannedJoint>& joints) {
+  using Pair = std::pair<std::string, std::string>;
+  std::map<Pair, std::vector<std::string>> where;
+  std::map<Pair, std::string> record;  // of the pair in alphabetical order
+  for (const PlannedJoint& joint : joints) {
+    std::set<Pair> found;
+    for (const PlannedEffect& p : joint.effects)
+      for (const CorrelatedEffect& r : p.correlated) {
+        if (!r.inseparable()) continue;
         const std::string a = family_of(p.effect), b = family_of(r.effect);
+        record.emplace(std::minmax(a, b), r.record);
         if (!found.contains({b, a})) found.insert({a, b});
       }
-  return found;
-}
-
-std::string record_for(const std::vector<PlannedJoint>& joints, const std::string& a, const std::string& b) {
-  for (const PlannedJoint& joint : joints)
-    for (const PlannedEffect& p : joint.effects)
-      for (const CorrelatedEffect& r : p.correlated)
-        if (r.inseparable() && ((family_of(p.effect) == a && family_of(r.effect) == b) ||
-                                (family_of(p.effect) == b && family_of(r.effect) == a)))
-          return r.record;
-  return "";
-}
-
-/// Every pair with its joints, grouped by what to record to distinguish them.
-std::string twins(const std::vector<PlannedJoint>& joints) {
-  std::map<std::pair<std::string, std::string>, std::string> where;
-  for (const PlannedJoint& joint : joints)
-    for (const auto& pair : pairs(joint)) {
-      std::string& names = where[pair];
-      names += (names.empty() ? "" : ", ") + shown(joint.joint);
-    }
+    for (const Pair& pair : found) where[pair].push_back(shown(joint.joint));
+  }
   std::map<std::string, std::vector<std::string>> by_record;
   for (const auto& [pair, names] : where) {
     const auto& [a, b] = pair;
-    by_record[record_for(joints, a, b)].push_back(
-        (a == b ? a + " of two different orders" : a + " and " + b) + ": " + names);
+    by_record[record.at(std::minmax(a, b))].push_back(
+        (a == b ? a + " of two different orders" : a + " and " + b) + ": " + joined(names));
   }
   std::string out;
-  for (const auto& [record, lines] : by_record) {
+  for (const auto& [advice, lines] : by_record) {
     for (const std::string& line : lines) out += "  " + line + '\n';
-    out += "    to distinguish them, record " + record + '\n';
+    out += "    to distinguish them, record " + advice + '\n';
   }
   return out;
 }
@@ -305,8 +288,7 @@ std::size_t named_count(const PlannedJoint& joint) {
 /// One line per joint: the number of identifiable effects, in this and in the better motion.
 std::string summary(const PlanReport& r) {
   const Plan& p = r.plan;
-  std::vector<std::vector<std::string>> rows{
-      {"joint", "readings", "effects", "identifiable", "better motion"}};
+  TableRows rows{{"joint", "readings", "effects", "identifiable", "better motion"}};
   for (std::size_t j = 0; j < p.joints.size(); ++j) {
     const PlannedJoint& joint = p.joints[j];
     const bool changed = std::find(p.changed.begin(), p.changed.end(), j) != p.changed.end();
@@ -328,12 +310,10 @@ std::string undetectable(const std::vector<PlannedJoint>& joints) {
       const std::string own = shown(joint.joint) + ".";
       if (const auto at = required.find(own); at != std::string::npos)
         required.replace(at, own.size(), "JOINT.");
-      const std::string line = "  " + u.effect + " needs " + required + '\n';
-      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+      add_once(lines, "  " + u.effect + " needs " + required + '\n');
     }
-  std::string out;
-  for (const std::string& line : lines) out += line;
-  return out + "  truncation is an offset of half a count in every motion; a datum distinguishes them\n";
+  return joined(lines, "") +
+         "  truncation is an offset of half a count in every motion; a datum distinguishes them\n";
 }
 
 std::string assumptions(const Plan& p) {

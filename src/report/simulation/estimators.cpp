@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
-#include "qerr/report/analysis.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/csv_text.hpp"
 #include "report/page/page.hpp"
@@ -22,22 +22,17 @@ std::vector<EstimatedVelocity> estimator_comparison(const Spec& spec, const Simu
     if (f.filter.derivative == 1 && !f.controller && !has_unknown_unit(f.filter))
       filters.push_back({f.name, f.filter, f.norms, f.joints});
   if (filters.empty() && spec.estimators.empty())
-    throw Error(Fault{{spec.file, 1, 1},
-                      "estimators",
-                      "the spec has no velocity estimator to compare",
-                      "",
-                      "add estimators: (qerr list estimators), or filters of derivative 1"});
+    throw spec_error(spec, "estimators", "the spec has no velocity estimator to compare", "",
+                     "add estimators: (qerr list estimators), or filters of derivative 1");
   const Motion& motion = *spec.motion;
   const double numbers = static_cast<double>((filters.size() + spec.estimators.size() + 1) *
                                              spec.model.chain.independent.size() * options.runs) *
                          motion.duration * motion.sample_rate;
   constexpr double most = 5e7;  // numbers that are kept: 400 MB
   if (numbers > most)
-    throw Error(Fault{{spec.file, 1, 1},
-                      "motion.duration",
-                      "the motion has too many samples for a comparison of estimators",
-                      significant(numbers, 3) + " estimates of at most 5e7",
-                      "shorten the motion, or ask for fewer runs"});
+    throw spec_error(
+        spec, "motion.duration", "the motion has too many samples for a comparison of estimators",
+        significant(numbers, 3) + " estimates of at most 5e7", "shorten the motion, or ask for fewer runs");
   std::vector<Filter> designed;
   for (const VelocityFilter& f : filters) designed.push_back(f.filter);
   // Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
@@ -104,7 +99,7 @@ constexpr const char* legend =
 }  // namespace
 
 std::string estimator_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{heads};
+  TableRows rows{heads};
   for (const EstimatedVelocity& e : r.estimators) rows.push_back(cells_of(r, e));
   return heading("Velocity estimators along the motion, of each joint the least error first", style) +
          fitted_table(rows, style.width) + wrapped(legend, style.width, "  ");
@@ -112,7 +107,7 @@ std::string estimator_table(const SimulationReport& r, const Style& style) {
 
 std::string estimator_figures(const SimulationReport& r) {
   std::string out;
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (std::size_t i = 0; i < r.estimators.size(); ++i) {
     const EstimatedVelocity& first = r.estimators[i];
     rows.push_back(cells_of(r, first));
@@ -186,7 +181,7 @@ std::string cutoff_table(const SimulationReport& r, const Style& style) {
   const std::vector<CutoffChoice> choices = cutoff_choices(r);
   const std::size_t best = best_of(choices);
   const std::string unit = cutoff_unit(r);
-  std::vector<std::vector<std::string>> rows{{"cut-off", "encoder error", "tracking error", "total", ""}};
+  TableRows rows{{"cut-off", "encoder error", "tracking error", "total", ""}};
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const CutoffChoice& c = choices[i];
     rows.push_back({readable(c.cutoff, "Hz"), readable(c.noise, unit), readable(c.tracking, unit),

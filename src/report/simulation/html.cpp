@@ -107,7 +107,7 @@ std::string cutoff_figures(const SimulationReport& r) {
   const std::vector<CutoffChoice> choices = cutoff_choices(r);
   const std::string unit = cutoff_unit(r);
   page::Series noise{"encoder error", {}}, tracking{"tracking error", {}}, total{"total", {}, true};
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (const CutoffChoice& c : choices) {
     noise.points.emplace_back(c.cutoff, c.noise);
     tracking.points.emplace_back(c.cutoff, c.tracking);
@@ -258,7 +258,7 @@ std::string simulation_answer(const SimulationReport& r) {
 
 /// Two tables, which fit a printed page.
 std::string figure_tables(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> sigmas;
+  TableRows sigmas;
   std::vector<std::string> peaks;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
@@ -282,17 +282,8 @@ std::string figure_tables(const SimulationReport& r) {
                         peaks);
 }
 
-/// From IPQN to the simulated sigma, factor by factor.
-std::string factor_table(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows = factor_cells(r);
-  std::vector<std::string> header = rows.front();
-  header.front() = "sigma of";
-  rows.erase(rows.begin());
-  return page::table(header, rows);
-}
-
 std::string tracking_rows(const SimulationReport& r) {
-  const std::vector<std::vector<std::string>> rows = tracking_cells(r);
+  const TableRows rows = tracking_cells(r);
   if (rows.empty()) return "";
   return page::table({"estimate", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"},
                      rows);
@@ -390,8 +381,9 @@ page::Page page_of(const SimulationReport& r) {
     return page;
   }
   if (r.spec.model.tips) return page;
-  add("Simulation and theory",
-      page::side_by_side(prediction_figure(r) + "<div>" + factor_table(r) + "</div>") + deviation_list(r));
+  add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
+                                                  page::table(factor_cells(r), "sigma of") + "</div>") +
+                                   deviation_list(r));
   add("Path of the tip", path_figures(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
   add("All figures", figure_tables(r));

@@ -8,6 +8,7 @@
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 #include "report/rows.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -42,10 +43,10 @@ struct IpqnDeviation {
 std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
 
 /// Of each estimate with a tracking error: label, encoder error, tracking error, its peak, total.
-std::vector<std::vector<std::string>> tracking_cells(const SimulationReport&);
+TableRows tracking_cells(const SimulationReport&);
 
 /// The factors that lead from IPQN to the simulated sigma of each signal, with a header.
-std::vector<std::vector<std::string>> factor_cells(const SimulationReport&);
+TableRows factor_cells(const SimulationReport&);
 
 RowsOf<Ladder> rows(Of<Ladder>);
 RowsOf<NamedSignal> rows(Of<NamedSignal>);

@@ -23,8 +23,7 @@ std::string factor(double value, int digits) {
 }
 
 std::string sigma_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{
-      {"", "simulated", "interval", "IPQN", "sim/IPQN", "sim/path", "sim/exact"}};
+  TableRows rows{{"", "simulated", "interval", "IPQN", "sim/IPQN", "sim/path", "sim/exact"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     const double sigma = is_constant(s) ? 0 : s.sigma_simulated, half = 0.5 * (s.sigma_upper - s.sigma_lower);
@@ -45,7 +44,7 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
     const SimulatedSignal& s = named.signal;
     return std::abs(s.mean_simulated) > 0.5 * s.sigma_simulated && !is_constant(s);
   });
-  std::vector<std::vector<std::string>> rows{{"", "peak", "worst case", "% of the bound"}};
+  TableRows rows{{"", "peak", "worst case", "% of the bound"}};
   if (has_means) rows[0].insert(rows[0].begin() + 1, "mean");
   for (const NamedSignal& named : signals) {
     const SimulatedSignal& s = named.signal;
@@ -65,7 +64,7 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
 
 /// Noise and tracking errors, where these were asked for.
 std::string tracking_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{{"", "encoder error", "tracking error", "its peak", "total"}};
+  TableRows rows{{"", "encoder error", "tracking error", "its peak", "total"}};
   for (auto& cells : tracking_cells(r)) rows.push_back(std::move(cells));
   if (rows.size() == 1) return "";
   return heading("Root mean square errors of the estimates: by the encoders and by the filter", style) +
@@ -74,9 +73,8 @@ std::string tracking_table(const SimulationReport& r, const Style& style) {
 
 }  // namespace
 
-std::vector<std::vector<std::string>> factor_cells(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows{
-      {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
+TableRows factor_cells(const SimulationReport& r) {
+  TableRows rows{{"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     rows.push_back({label_of(named), ratio_text(s.sigma_simulated, s.sigma_ipqn), "=",
@@ -185,8 +183,8 @@ std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport& r) {
   return all;
 }
 
-std::vector<std::vector<std::string>> tracking_cells(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows;
+TableRows tracking_cells(const SimulationReport& r) {
+  TableRows rows;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;

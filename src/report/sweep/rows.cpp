@@ -8,10 +8,10 @@
 #include "qerr/filter/norms.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/analysis/json_header.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/text_table.hpp"
 
@@ -321,8 +321,6 @@ Json sweep_schema() { return schema_of<SweepHead>(); }
 
 namespace {
 
-constexpr char next_cell = '\t', next_row = '\n';  // no name has them
-
 /// Words that the table can stack: of a dotted path each.
 std::string stacked(std::string path) {
   std::replace(path.begin(), path.end(), '.', ' ');
@@ -352,7 +350,7 @@ SweepTable::SweepTable(const SpecVariants& variants, const SweepGrid& grid)
   std::vector<std::string>& header = cells_.emplace_back();
   header.emplace_back("variant");
   for (const std::string& key : grid.keys()) header.push_back(stacked(key));
-  for (std::string& figure : headers(variants.base())) header.push_back(std::move(figure));
+  append(header, headers(variants.base()));
 }
 
 std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
@@ -377,27 +375,15 @@ std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
   return cells;
 }
 
-std::string SweepTable::row(const SweptVariant& v) const {
-  std::string row = std::to_string(v.variant);
-  for (const std::string& name : grid_.names(v.variant)) row += next_cell + shown(name);
-  const std::vector<std::string> own = v.check ? figures(*v.check) : std::vector<std::string>();
+std::vector<std::string> SweepTable::row(const SweptVariant& v) const {
+  std::vector<std::string> row{std::to_string(v.variant)};
+  for (const std::string& name : grid_.names(v.variant)) row.push_back(shown(name));
+  std::vector<std::string> own = v.check ? figures(*v.check) : std::vector<std::string>();
   // Variants may have other coordinates, filters or requirements than the spec: then figures are not
   // comparable.
   const std::size_t wanted = cells_.front().size() - 1 - grid_.keys().size();
-  for (std::size_t i = 0; i < wanted; ++i) row += next_cell + (own.size() == wanted ? own[i] : "-");
-  return row + next_row;
-}
-
-void SweepTable::add(const std::string& rows) {
-  for (std::size_t begin = 0; begin < rows.size();) {
-    std::vector<std::string>& cells = cells_.emplace_back();
-    const std::size_t end = rows.find(next_row, begin);
-    while (begin <= end) {
-      const std::size_t stop = std::min(rows.find(next_cell, begin), end);
-      cells.push_back(rows.substr(begin, stop - begin));
-      begin = stop + 1;
-    }
-  }
+  append(row, own.size() == wanted ? std::move(own) : std::vector<std::string>(wanted, "-"));
+  return row;
 }
 
 std::string SweepTable::text(const Style& style) const {

@@ -6,7 +6,8 @@
 
 #include "qerr/bound/figure.hpp"
 #include "qerr/report/write.hpp"
-#include "report/sweep/column_sweep.hpp"
+#include "report/sweep/run_sweep.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -47,10 +48,9 @@ class SweepTable {
  public:
   SweepTable(const SpecVariants&, const SweepGrid&);
 
-  /// The cells of a variant, to be given to `add` in order.
-  std::string row(const SweptVariant&) const;
-  /// @param rows  of one or several variants
-  void add(const std::string& rows);
+  /// The cells of a variant, to be given to `add` in order; called on any thread.
+  std::vector<std::string> row(const SweptVariant&) const;
+  void add(std::vector<std::string> row) { cells_.push_back(std::move(row)); }
   std::string text(const Style&) const;
 
  private:
@@ -58,7 +58,7 @@ class SweepTable {
 
   const SpecVariants& variants_;
   const SweepGrid& grid_;
-  std::vector<std::vector<std::string>> cells_;
+  TableRows cells_;
 };
 
 }  // namespace qerr

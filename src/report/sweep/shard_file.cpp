@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "report/sweep/shards.hpp"
 

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/text.hpp"
-#include "qerr/core/quantity.hpp"
 #include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
@@ -20,7 +19,6 @@ namespace qerr {
 
 namespace {
 
-constexpr char end_of_value = '\t', end_of_row = '\n', other_limits = '!';
 constexpr std::size_t most_figures = 24;
 
 /// Whether the requirements of a variant are those of the spec.
@@ -29,13 +27,6 @@ bool same_requirements(const Spec& a, const Spec& b) {
                     b.requirements.end(), [](const Requirement& x, const Requirement& y) {
                       return x.name() == y.name() && x.limit == y.limit && x.at_least == y.at_least;
                     });
-}
-
-std::string written_value(double value) { return std::isnan(value) ? "-" : shortest(value); }
-
-double read_value(const std::string& text) {
-  if (text == "-") return std::numeric_limits<double>::quiet_NaN();
-  return parse_number(text).value_or(std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
@@ -55,9 +46,9 @@ SweepPage::SweepPage(const SpecVariants& variants, const SweepGrid& grid) : vari
 
 void SweepPage::add_figures() {
   const Spec& spec = variants_.base();
-  const auto add = [&](Figure f) {
-    const bool known =
-        std::any_of(figures_.begin(), figures_.end(), [&](const Figure& k) { return k.name == f.name; });
+  const auto add = [&](SweptQuantity f) {
+    const bool known = std::any_of(figures_.begin(), figures_.end(),
+                                   [&](const SweptQuantity& k) { return k.name == f.name; });
     if (!known && figures_.size() < most_figures) figures_.push_back(std::move(f));
   };
   for (std::size_t i = 0; i < spec.requirements.size(); ++i)
@@ -69,36 +60,33 @@ void SweepPage::add_figures() {
       if (is_filtered(f, c)) add({f.name + '.' + c.name + ".sigma max", shown_unit(c.unit, f.filter)});
 }
 
-std::string SweepPage::row(const SweptVariant& v) const {
-  std::vector<double> values(figures_.size(), std::numeric_limits<double>::quiet_NaN());
-  std::string text(1, v.check && !v.check->results.empty() ? (v.check->all_met() ? 'y' : 'n') : '-');
-  if (v.check) {
-    const Analysis& a = v.check->analysis;
-    const Spec& base = variants_.base();
-    // Requirements are compared by their place: they must stand for the same figures.
-    const bool same = a.spec.requirements.size() == base.requirements.size();
-    if (!same_requirements(a.spec, base)) text += other_limits;
-    for (std::size_t i = 0; i < figures_.size() && same; ++i) {
-      const auto r = static_cast<std::size_t>(figures_[i].requirement);
-      if (figures_[i].requirement >= 0 && r < v.check->results.size() &&
-          a.spec.requirements[r].name() == figures_[i].name)
-        values[i] = v.check->results[r].value;
+SweepPage::VariantFigures SweepPage::row(const SweptVariant& v) const {
+  VariantFigures row{'-', false,
+                     std::vector<double>(figures_.size(), std::numeric_limits<double>::quiet_NaN())};
+  if (!v.check) return row;
+  if (!v.check->results.empty()) row.verdict = v.check->all_met() ? 'y' : 'n';
+  const Analysis& a = v.check->analysis;
+  const Spec& base = variants_.base();
+  // Requirements are compared by their place: they must stand for the same figures.
+  const bool same = a.spec.requirements.size() == base.requirements.size();
+  row.other_limits = !same_requirements(a.spec, base);
+  std::map<std::string, double> known;
+  for_each_figure(
+      a, [&](const FigureName& name, const Statistic& s) { known.emplace(name.quantity() + " max", s.max); });
+  for (std::size_t i = 0; i < figures_.size(); ++i) {
+    const auto r = static_cast<std::size_t>(figures_[i].requirement);
+    if (figures_[i].requirement < 0) {
+      if (const auto found = known.find(figures_[i].name); found != known.end())
+        row.values[i] = found->second;
+    } else if (same && r < v.check->results.size() && a.spec.requirements[r].name() == figures_[i].name) {
+      row.values[i] = v.check->results[r].value;
     }
-    std::map<std::string, double> known;
-    for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
-      known.emplace(name.quantity() + " max", s.max);
-    });
-    for (std::size_t i = 0; i < figures_.size(); ++i)
-      if (const auto found = known.find(figures_[i].name);
-          figures_[i].requirement < 0 && found != known.end())
-        values[i] = found->second;
   }
-  for (const double value : values) text += end_of_value + written_value(value);
-  return text + end_of_row;
+  return row;
 }
 
 /// The largest part of a limit that a variant uses; empty where a requirement has none.
-std::optional<double> SweepPage::tightest(const Row& row) const {
+std::optional<double> SweepPage::tightest(const VariantFigures& row) const {
   double largest = -1;
   for (std::size_t i = 0; i < std::min(figures_.size(), row.values.size()); ++i) {
     if (figures_[i].requirement < 0) continue;
@@ -110,7 +98,8 @@ std::optional<double> SweepPage::tightest(const Row& row) const {
   return largest < 0 ? std::nullopt : std::optional(largest);
 }
 
-void SweepPage::take(const Row& row) {
+void SweepPage::add(const VariantFigures& row) {
+  limits_vary_ = limits_vary_ || row.other_limits;
   if (const auto part = tightest(row); part && (!best_ || *part < best_->value)) best_ = {*part, next_};
   judged_ += row.verdict != '-';
   met_ += row.verdict == 'y';
@@ -124,23 +113,6 @@ void SweepPage::take(const Row& row) {
   ++next_;
 }
 
-void SweepPage::add(const std::string& rows) {
-  for (std::size_t begin = 0; begin < rows.size();) {
-    const std::size_t end = rows.find(end_of_row, begin);
-    Row row;
-    row.verdict = rows[begin];
-    limits_vary_ = limits_vary_ || rows[begin + 1] == other_limits;
-    std::size_t from = rows.find(end_of_value, begin);
-    while (from < end) {
-      const std::size_t stop = std::min(rows.find(end_of_value, from + 1), end);
-      row.values.push_back(read_value(rows.substr(from + 1, stop - from - 1)));
-      from = stop;
-    }
-    take(row);
-    begin = end + 1;
-  }
-}
-
 namespace {
 
 /// Up to this many points of a picture each has a mark with all its digits.
@@ -150,15 +122,6 @@ constexpr double wide_range = 20;
 
 std::string first_upper(std::string text) {
   if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text;
-}
-
-/// The values of the keys, for people.
-std::string short_description(const SweepGrid& grid, std::uint64_t variant) {
-  const std::vector<std::string> keys = grid.keys(), names = grid.names(variant);
-  std::string text;
-  for (std::size_t k = 0; k < keys.size(); ++k)
-    text += (k > 0 ? ", " : "") + keys[k] + " = " + short_value(names[k]);
   return text;
 }
 
@@ -177,8 +140,8 @@ std::string SweepPage::answer() const {
            (met_ == 1 ? " meets" : " meet") + " all requirements";
   if (best_ && !limits_vary_ && grid_.count() > 1)
     text += "; variant " + std::to_string(best_->variant) + " wins, with " +
-            page::isolated(short_description(grid_, best_->variant)) + ": it takes " + percent(best_->value) +
-            " of its tightest limit";
+            page::isolated(grid_.description(best_->variant, short_value)) + ": it takes " +
+            percent(best_->value) + " of its tightest limit";
   // The first figure that varies says most.
   std::size_t i = 0;
   while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
@@ -193,13 +156,13 @@ std::string SweepPage::answer() const {
   if (least.value == largest.value)
     return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
   return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with " +
-         page::isolated(short_description(grid_, least.variant)) + ", and largest, " +
+         page::isolated(grid_.description(least.variant, short_value)) + ", and largest, " +
          readable(largest.value, figures_[i].unit) + ", with " +
-         page::isolated(short_description(grid_, largest.variant)) + ".";
+         page::isolated(grid_.description(largest.variant, short_value)) + ".";
 }
 
 std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) const {
-  const Figure& f = figures_[figure];
+  const SweptQuantity& f = figures_[figure];
   const SweepAbscissa& a = *drawn.abscissa;
   page::Plot plot{&drawn == drawn_.data() ? f.name : f.name + " over " + a.key,
                   "The figure over the values of a key of the spec, one line for each combination of the "
@@ -243,7 +206,7 @@ std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) co
   constexpr std::size_t most_columns = 16, most_cells = 1500;  // 80 bytes each
   const std::size_t columns = drawn.lines.front().variants.size(), rows = drawn.lines.size();
   if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
-  const Figure& f = figures_[figure];
+  const SweptQuantity& f = figures_[figure];
   const auto value = [&](std::uint64_t v) {
     const std::vector<double>& values = kept_.at(v).values;
     return figure < values.size() ? values[figure] : NAN;
@@ -279,7 +242,7 @@ std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) co
 }
 
 std::string SweepPage::bars(std::size_t figure, const DrawnVariants& drawn) const {
-  const Figure& f = figures_[figure];
+  const SweptQuantity& f = figures_[figure];
   page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
   for (const std::uint64_t v : drawn.lines.front().variants) {
     const std::vector<double>& values = kept_.at(v).values;
@@ -318,7 +281,7 @@ std::string SweepPage::table() const {
   for (const std::string& key : grid_.keys()) header.push_back(in_words(key));
   for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(in_words(figures_[i].name));
   if (judged_ > 0) header.emplace_back("met");
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   std::size_t bytes = 0;
   for (const auto& [variant, row] : kept_) {
     if (variant != rows.size()) break;  // rows beyond the first ones are kept for the pictures only

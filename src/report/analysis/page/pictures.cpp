@@ -8,7 +8,6 @@
 #include "bound/joined_tally.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
-#include "core/text.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/page/heat_map.hpp"
@@ -58,11 +57,8 @@ class SampleCollector {
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t to = static_cast<std::size_t>(batch.first) + i;
       const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
-      Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
-      for (Eigen::Index j = 0; j < q.size(); ++j)
-        q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
-      sample_.tips[to] = forward_kinematics(chain, q).translation();
-      sample_.q[to] = std::move(q);
+      sample_.q[to] = configuration_of(batch, i, chain);
+      sample_.tips[to] = forward_kinematics(chain, sample_.q[to]).translation();
       sample_.trace[to] = figure(batch.layout.trace);
       for (std::size_t c = 0; c < sample_.worst.size(); ++c)
         sample_.worst[c][to] = figure(batch.layout.worst_case + c);
