@@ -50,7 +50,6 @@
 #include "qerr/report/design_report.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "qerr/report/named_figures.hpp"
 #include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"

@@ -1,5 +1,3 @@
-#include "report/sweep/merge.hpp"
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include "cli/sweep_parts.hpp"
 #include "core/run_files.hpp"
 #include "input/byte_source.hpp"
+#include "report/sweep/shards.hpp"
 
 namespace qerr::cli {
 

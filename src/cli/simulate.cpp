@@ -9,7 +9,7 @@
 #include "input/spec_variants.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
-#include "report/simulation/cutoffs.hpp"
+#include "report/simulation/parts.hpp"
 #include "simulate/settling.hpp"
 
 namespace qerr::cli {

@@ -1,6 +1,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "cli/command.hpp"
 #include "cli/sweep_parts.hpp"
@@ -8,9 +10,9 @@
 #include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/sweep/csv_lines.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
+#include "report/sweep/shards.hpp"
 #include "report/sweep/sweep_page.hpp"
 
 namespace qerr::cli {
@@ -187,10 +189,22 @@ template <class Report>
 SweepOutcome filled(Report& report, SweepJob job, const Values& v) {
   job.judged = true;
   job.statistics = {find_statistic("max")};
-  job.text = [&](const SweptVariant& variant) { return report.row(variant); };
+  std::mutex guard;
+  std::map<std::uint64_t, decltype(report.row({}))> waiting;  // rows whose turn has not come
+  job.text = [&](const SweptVariant& variant) {
+    auto row = report.row(variant);
+    const std::lock_guard lock(guard);
+    waiting.emplace(variant.variant, std::move(row));
+    return "";
+  };
   return SweepRun(std::move(job))
       .run(
-          {}, [&](const std::string& rows, const SweepCounts&) { report.add(rows); },
+          {},
+          [&](const std::string&, const SweepCounts& counts) {
+            const std::lock_guard lock(guard);
+            while (!waiting.empty() && waiting.begin()->first < counts.variants)
+              report.add(std::move(waiting.extract(waiting.begin()).mapped()));
+          },
           progress(v, "variants"));
 }
 

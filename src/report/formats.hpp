@@ -24,6 +24,9 @@ namespace qerr {
 /// What the command line changed of a spec, which stands above every table; "" if nothing.
 std::string changes_above(const Spec&, std::size_t width);
 
+/// SI unit of a number, `rad or m` of a joint coordinate; "" for a pure number and for other kinds.
+std::string parameter_unit(const Parameter&);
+
 /// For commands whose report has no page, before the work that their report takes.
 /// @throws Error (usage) for `html`
 void refuse_page(std::string_view format);

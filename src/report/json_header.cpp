@@ -8,20 +8,23 @@ namespace qerr {
 
 namespace {
 
-struct Override {
+/// A value of the spec that --set replaced.
+struct ChangedValue {
   std::string key, value;
 };
 
-Override override_of(const std::pair<std::string, std::string>& o) { return {o.first, o.second}; }
+ChangedValue changed_value(const std::pair<std::string, std::string>& o) { return {o.first, o.second}; }
 
 }  // namespace
 
-RowsOf<Override> rows(Of<Override>) { return {{"key", &Override::key}, {"value", &Override::value}}; }
+RowsOf<ChangedValue> rows(Of<ChangedValue>) {
+  return {{"key", &ChangedValue::key}, {"value", &ChangedValue::value}};
+}
 
 RowsOf<Spec> rows(Of<Spec>) {
   return {{"file", &Spec::file},
           {"sha256", &Spec::sha256, "of the file's bytes"},
-          {"set", [](auto& s) { return s.overrides | std::views::transform(override_of); },
+          {"set", [](auto& s) { return s.overrides | std::views::transform(changed_value); },
            "the values that --set replaced", optional}};
 }
 

@@ -26,18 +26,18 @@ std::optional<Json> unless_empty(Json value, Presence presence) {
   return value;
 }
 
-Json object_of(const std::vector<Row>& rows, const void* source) {
+Json object_of(const std::vector<MemberRow>& rows, const void* source) {
   Json object = Json::object();
-  for (const Row& row : rows) {
+  for (const MemberRow& row : rows) {
     std::optional<Json> value = row.value(source);
     if (value || row.presence != Presence::optional) object[row.name] = value ? std::move(*value) : Json();
   }
   return object;
 }
 
-Json schema_of(const std::vector<Row>& rows) {
+Json schema_of(const std::vector<MemberRow>& rows) {
   Json properties = Json::object(), required = Json::array();
-  for (const Row& row : rows) {
+  for (const MemberRow& row : rows) {
     Json property = row.presence == Presence::nullable ? schema::or_null(row.schema()) : row.schema();
     if (!row.meaning.empty()) property["description"] = row.meaning;
     properties[row.name] = std::move(property);

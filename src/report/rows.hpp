@@ -54,7 +54,7 @@ Schema numbers_or_null();        ///< a list
 Schema named_numbers_or_null();  ///< an object with any names
 
 /// A member of an object.
-struct Row {
+struct MemberRow {
   std::string name, meaning = {};
   Presence presence = Presence::required;
   std::function<Json()> schema = {};                           ///< of a value that is not empty
@@ -67,8 +67,8 @@ struct Row {
   }
 };
 
-Json object_of(const std::vector<Row>&, const void* source);
-Json schema_of(const std::vector<Row>&);
+Json object_of(const std::vector<MemberRow>&, const void* source);
+Json schema_of(const std::vector<MemberRow>&);
 /// The value of a row, which is none if it may lack one and is an empty text, list or object.
 std::optional<Json> unless_empty(Json, Presence);
 
@@ -100,11 +100,11 @@ struct RowsOf;
 
 /// A row of the objects of a source.
 template <class Source>
-struct RowOf : Row {
+struct RowOf : MemberRow {
   /// @param getter   of the value; or the rows of an object that has the same source
   /// @param details  the meaning, the presence, the schema, in any order
   template <class Getter = RowsOf<Source>, class... Details>
-  RowOf(std::string_view of, const Getter& getter, const Details&... details) : Row{std::string(of)} {
+  RowOf(std::string_view of, const Getter& getter, const Details&... details) : MemberRow{std::string(of)} {
     if constexpr (std::same_as<Getter, RowsOf<Source>>) {
       schema = [list = getter.list] { return schema_of(list); };
       value = [list = getter.list](const void* source) { return object_of(list, source); };
@@ -128,7 +128,7 @@ struct RowOf : Row {
 
 template <class Source>
 struct RowsOf {
-  std::vector<Row> list;
+  std::vector<MemberRow> list;
 
   RowsOf(std::initializer_list<RowOf<Source>> rows) : list(rows.begin(), rows.end()) {}
   RowsOf with(const RowsOf& more) const {
@@ -143,8 +143,8 @@ template <class Source>
 struct Of {};
 
 template <class Source>
-const std::vector<Row>& rows_of() {
-  static const std::vector<Row> list = rows(Of<Source>()).list;
+const std::vector<MemberRow>& rows_of() {
+  static const std::vector<MemberRow> list = rows(Of<Source>()).list;
   return list;
 }
 

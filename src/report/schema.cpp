@@ -7,7 +7,7 @@
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
-#include "report/list/list_report.hpp"
+#include "report/formats.hpp"
 #include "report/rows.hpp"
 #include "simulate/estimators/estimator.hpp"
 
@@ -99,9 +99,21 @@ void refine(Json& object, const char* key, Json full) {
   row = std::move(full);
 }
 
-std::vector<Parameter> joined(std::vector<Parameter> rows, const std::vector<Parameter>& more) {
+std::vector<Parameter> with_more(std::vector<Parameter> rows, const std::vector<Parameter>& more) {
   rows.insert(rows.end(), more.begin(), more.end());
   return rows;
+}
+
+/// One of several kinds, which a key names. @param common  parameters of all
+template <class Kinds>
+Json one_of_kinds(const Kinds& kinds, const std::vector<Parameter>& common, const char* key) {
+  Json all = Json::array();
+  for (const auto& kind : kinds) {
+    Json s = object_of(with_more(common, kind.parameters));
+    s["properties"][key] = {{"const", kind.name}, {"description", kind.summary}};
+    all.push_back(s);
+  }
+  return {{"oneOf", all}};
 }
 
 Json encoder() {
@@ -111,14 +123,8 @@ Json encoder() {
 }
 
 Json filter() {
-  Json families = Json::array();
-  for (const FilterFamily& family : filter_families()) {
-    Json s = object_of(joined(spec_format::lowpass(), family.parameters));
-    s["properties"]["family"] = {{"const", family.name}, {"description", family.summary}};
-    families.push_back(s);
-  }
   Json s = object_of(spec_format::filter());
-  refine(s, "lowpass", {{"oneOf", families}});
+  refine(s, "lowpass", one_of_kinds(filter_families(), spec_format::lowpass(), "family"));
   s["anyOf"] = Json::array({required({"derivative"}), required({"lowpass"})});
   std::vector<Json> representations{required({"lowpass"})};
   for (const FilterRepresentation& r : filter_representations()) {
@@ -136,16 +142,6 @@ Json filter() {
     representations.push_back(stated);
   }
   return s;
-}
-
-Json effect() {
-  Json kinds = Json::array();
-  for (const EffectKind& kind : effect_kinds()) {
-    Json s = object_of(joined(spec_format::effect(), kind.parameters));
-    s["properties"]["type"] = {{"const", kind.name}, {"description", kind.summary}};
-    kinds.push_back(s);
-  }
-  return {{"oneOf", kinds}};
 }
 
 Json configurations() {
@@ -220,16 +216,6 @@ Json control() {
   return s;
 }
 
-Json estimator() {
-  Json kinds = Json::array();
-  for (const EstimatorKind& kind : estimator_kinds()) {
-    Json s = object_of(joined(spec_format::estimator(), kind.parameters));
-    s["properties"]["kind"] = {{"const", kind.name}, {"description", kind.summary}};
-    kinds.push_back(s);
-  }
-  return {{"oneOf", kinds}};
-}
-
 Json wall() {
   Json s = object_of(spec_format::wall());
   s["properties"]["normal"]["minItems"] = s["properties"]["normal"]["maxItems"] = 3;
@@ -269,7 +255,7 @@ std::string json_schema() {
           {"uniqueItems", true},
           {"items", {{"type", "string"}, {"examples", names}}}});
   refine(s, "filters", schema::map(filter()));
-  refine(s, "estimators", schema::map(estimator()));
+  refine(s, "estimators", schema::map(one_of_kinds(estimator_kinds(), spec_format::estimator(), "kind")));
   refine(s, "configurations", configurations());
   Json requirement = object_of(spec_format::requirement());
   for (const char* key : {"at_most", "at_least"}) refine(requirement, key, number_or_quantity());
@@ -277,7 +263,7 @@ std::string json_schema() {
   refine(s, "requirements", schema::list(requirement));
   refine(s, "threshold", object_of(spec_format::threshold()));
   refine(s, "motion", motion());
-  refine(s, "effects", schema::list(effect()));
+  refine(s, "effects", schema::list(one_of_kinds(effect_kinds(), spec_format::effect(), "type")));
   Json log = object_of(spec_format::log());
   const Json column =
       any_of({Json({{"type", "string"}, {"minLength", 1}}), object_of(spec_format::log_column())});

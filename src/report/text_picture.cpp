@@ -23,7 +23,7 @@ struct Glyphs {
 constexpr Glyphs unicode_glyphs{"•", "─", "●", "│", "│", "┤", "└", "─", "┬"};
 constexpr Glyphs ascii_glyphs{"o", "-", "*", "|", "|", "+", "+", "-", "+"};
 
-struct Range {
+struct ValueRange {
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
 
@@ -46,7 +46,7 @@ struct Ordinate {
 
 /// The finest ordinate with a round tick every second to fifth row on which the range fits. Successive values
 /// per row differ by a third at most, so that at least eight of the rows are used.
-Ordinate ordinate(const Range& range) {
+Ordinate ordinate(const ValueRange& range) {
   constexpr double round[] = {1, 2, 2.5, 5};
   const double least = (range.most - range.least) / most_rows;
   const double decade = std::pow(10, std::floor(std::log10(least)) - 1);
@@ -97,7 +97,7 @@ std::vector<double> interpolated(const TextPicture& p, std::size_t columns) {
   return values;
 }
 
-using Canvas = std::vector<std::vector<std::string>>;  // rows from the lowest, of cells
+using Canvas = TableRows;  // rows from the lowest, of cells
 
 void draw_line(Canvas& canvas, const std::vector<double>& values, const Ordinate& o, const Glyphs& glyphs) {
   for (std::size_t c = 0; c < values.size(); ++c) {
@@ -129,18 +129,11 @@ std::vector<std::string> row_labels(const Ordinate& o) {
   return labels;
 }
 
-double round_tick(double least) {
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least) return digit * power;
-  return 10 * power;
-}
-
 /// The line below the rows, and its labels, without those that would touch another one.
 std::pair<std::string, std::string> abscissa(const TextPicture& p, std::size_t columns,
                                              const Glyphs& glyphs) {
   const double from = p.at.front(), span = p.at.back() - from;
-  const double tick = round_tick(span * tick_distance / static_cast<double>(columns));
+  const double tick = round_step(span * tick_distance / static_cast<double>(columns));
   std::vector<std::string> marks(columns, glyphs.across);
   std::string labels;
   for (double k = std::ceil(from / tick - 1e-9); k * tick <= p.at.back() + 1e-9 * tick; ++k) {
@@ -164,8 +157,8 @@ std::string legend(const TextPicture& p, const Glyphs& glyphs) {
   return text;
 }
 
-Range range_of(const TextPicture& p) {
-  Range range;
+ValueRange range_of(const TextPicture& p) {
+  ValueRange range;
   range.add(0);
   for (const double value : p.points) range.add(value);
   for (const double value : p.line) range.add(value);
@@ -174,10 +167,17 @@ Range range_of(const TextPicture& p) {
 
 }  // namespace
 
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= least) return digit * power;
+  return 10 * power;
+}
+
 std::string text_picture(const TextPicture& p, const Style& style, const std::string& indent) {
   const auto finite =
       std::count_if(p.points.begin(), p.points.end(), [](double v) { return std::isfinite(v); });
-  const Range range = range_of(p);
+  const ValueRange range = range_of(p);
   if (finite < 2 || !(p.at.back() > p.at.front()) || !(range.most > range.least)) return "";
   const Glyphs& glyphs = style.ascii ? ascii_glyphs : unicode_glyphs;
   const Ordinate o = ordinate(range);

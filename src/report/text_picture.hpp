@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,9 @@ struct TextPicture {
   std::string points_name, line_name;
   std::string ordinate, abscissa;  ///< names of the axes, with units
 };
+
+/// The smallest of 1, 2, 5 times a power of ten that is at least `least`.
+double round_step(double least);
 
 /// The picture, at most ten rows high between its legend and its abscissa, in lines of at most
 /// `style.width` columns, behind an indent. Ticks are at 1, 2, 2.5 or 5 times a power of ten; zero is always

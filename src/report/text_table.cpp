@@ -12,7 +12,7 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t cell_gap = 2;      // between columns
+constexpr std::size_t column_gap = 2;
 constexpr std::size_t least_column = 8;  // a narrower one cuts ordinary words
 
 /// Columns of a text without the codes of its colours.
@@ -32,14 +32,20 @@ std::size_t room_behind(std::size_t width, const std::string& indent) {
   return width > used ? width - used : 1;
 }
 
-std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows, std::size_t room) {
+std::vector<std::size_t> column_widths(const TableRows& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (widths.size() <= i) widths.push_back(0);
       widths[i] = std::max(widths[i], display_width(row[i]));
     }
-  const std::size_t gaps = widths.empty() ? 0 : cell_gap * (widths.size() - 1);
+  return widths;
+}
+
+/// The widest columns give way until the table fits.
+std::vector<std::size_t> fitting_widths(const TableRows& rows, std::size_t room) {
+  std::vector<std::size_t> widths = column_widths(rows);
+  const std::size_t gaps = widths.empty() ? 0 : column_gap * (widths.size() - 1);
   while (std::accumulate(widths.begin(), widths.end(), gaps) > room) {
     const auto widest = std::max_element(widths.begin(), widths.end());
     if (*widest <= least_column) break;
@@ -60,10 +66,7 @@ std::string wrapped(std::string_view text, std::size_t width, const std::string&
 
 std::string within(const std::string& text, std::size_t width) {
   std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string line = text.substr(at, end - at);
-    at = end + 1;
+  for (const std::string& line : lines_of(text)) {
     const std::size_t begin = line.find_first_not_of(' ');
     if (begin == std::string::npos || shown_width(line) <= width)
       out += line + '\n';
@@ -77,13 +80,12 @@ std::string defined(const std::string& term, std::string_view meaning, std::size
                     std::size_t column) {
   const std::string indent(column, ' ');
   const std::string start = "  " + term;
-  if (display_width(start) + cell_gap > column) return start + '\n' + wrapped(meaning, width, indent);
+  if (display_width(start) + column_gap > column) return start + '\n' + wrapped(meaning, width, indent);
   return wrapped(meaning, width, indent, start + std::string(column - display_width(start), ' '));
 }
 
-std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std::size_t width,
-                          const std::string& indent) {
-  const std::vector<std::size_t> widths = column_widths(rows, room_behind(width, indent));
+std::string wrapped_table(const TableRows& rows, std::size_t width, const std::string& indent) {
+  const std::vector<std::size_t> widths = fitting_widths(rows, room_behind(width, indent));
   std::string out;
   for (const auto& row : rows) {
     std::vector<std::vector<std::string>> cells;
@@ -97,7 +99,7 @@ std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const std::string part = k < cells[i].size() ? cells[i][k] : "";
         const std::size_t used = display_width(part);
-        line += (i ? std::string(cell_gap, ' ') : "") + part +
+        line += (i ? std::string(column_gap, ' ') : "") + part +
                 std::string(widths[i] > used ? widths[i] - used : 0, ' ');
       }
       line.erase(line.find_last_not_of(' ') + 1);
@@ -107,24 +109,34 @@ std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std
   return out;
 }
 
-std::string aligned(const std::vector<std::vector<std::string>>& rows, const std::string& indent) {
-  std::vector<std::size_t> width;
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      if (width.size() <= i) width.push_back(0);
-      width[i] = std::max(width[i], display_width(row[i]));
-    }
-  std::string out;
+std::vector<std::string> aligned_lines(const TableRows& rows, const std::string& indent) {
+  const std::vector<std::size_t> width = column_widths(rows);
+  std::vector<std::string> lines;
   for (const auto& row : rows) {
-    std::string line = indent;
+    std::string& line = lines.emplace_back(indent);
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::string gap(width[i] - display_width(row[i]), ' ');
       line += (i ? "  " : "") + (i ? gap + row[i] : row[i] + gap);
     }
     line.erase(line.find_last_not_of(' ') + 1);
-    out += line + '\n';
   }
+  return lines;
+}
+
+std::string aligned(const TableRows& rows, const std::string& indent) {
+  std::string out;
+  for (const std::string& line : aligned_lines(rows, indent)) out += line + '\n';
   return out;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return lines;
 }
 
 std::string percent(double fraction) {
@@ -183,11 +195,13 @@ std::string listed(const std::vector<std::string>& items) {
   return text;
 }
 
+bool add_once(std::vector<std::string>& list, const std::string& item) {
+  if (std::find(list.begin(), list.end(), item) != list.end()) return false;
+  list.push_back(item);
+  return true;
+}
+
 namespace {
-
-using TableCells = std::vector<std::vector<std::string>>;
-
-constexpr std::size_t column_gap = 2;  // between columns
 
 struct TableColumn {
   std::size_t width;  ///< as shown
@@ -200,7 +214,7 @@ std::size_t longest_word(const std::string& text) {
   return longest;
 }
 
-std::vector<TableColumn> columns_of(const TableCells& rows) {
+std::vector<TableColumn> columns_of(const TableRows& rows) {
   std::vector<TableColumn> columns;
   for (std::size_t i = 0; i < rows.front().size(); ++i) {
     std::size_t body = 0;
@@ -228,14 +242,14 @@ void stack_headers(std::vector<TableColumn>& columns, std::size_t room) {
   }
 }
 
-TableCells with_stacked_header(const TableCells& rows, const std::vector<TableColumn>& columns) {
+TableRows with_stacked_header(const TableRows& rows, const std::vector<TableColumn>& columns) {
   std::vector<std::vector<std::string>> titles;
   std::size_t height = 0;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     titles.push_back(wrapped_lines(rows.front()[i], columns[i].width));
     height = std::max(height, titles.back().size());
   }
-  TableCells out;
+  TableRows out;
   for (std::size_t k = 0; k < height; ++k) {
     out.emplace_back();
     for (const auto& title : titles) {
@@ -248,8 +262,8 @@ TableCells with_stacked_header(const TableCells& rows, const std::vector<TableCo
 }
 
 /// The first column and `count` others from `first` on.
-TableCells part_of(const TableCells& rows, std::size_t first, std::size_t count) {
-  TableCells part;
+TableRows part_of(const TableRows& rows, std::size_t first, std::size_t count) {
+  TableRows part;
   for (const auto& row : rows) {
     part.push_back({row.front()});
     for (std::size_t i = first; i < std::min(first + count, row.size()); ++i) part.back().push_back(row[i]);
@@ -269,20 +283,27 @@ std::size_t fitting(const std::vector<TableColumn>& columns, std::size_t first, 
 
 }  // namespace
 
-std::string fitted_table(const TableCells& rows, std::size_t width, const std::string& indent) {
+std::string fitted_table(const TableRows& rows, std::size_t width, const std::string& indent) {
   if (rows.empty() || rows.front().size() < 2) return aligned(rows, indent);
-  const std::size_t room = width > indent.size() ? width - indent.size() : 1;
+  const std::size_t room = room_behind(width, indent);
   const std::vector<TableColumn> all = columns_of(rows);
   std::string out;
   for (std::size_t first = 1; first < all.size();) {
     const std::size_t count = fitting(all, first, room);
-    const TableCells part = part_of(rows, first, count);
+    const TableRows part = part_of(rows, first, count);
     std::vector<TableColumn> columns = columns_of(part);
     stack_headers(columns, room);
     out += (out.empty() ? "" : "\n") + aligned(with_stacked_header(part, columns), indent);
     first += count;
   }
   return out;
+}
+
+std::string table_section(const std::string& title, const TableRows& rows, const Style& style,
+                          const std::string& remark) {
+  if (rows.size() < 2) return "";
+  return heading(title, style) + fitted_table(rows, style.width) +
+         (remark.empty() ? "" : wrapped(remark, style.width, "  "));
 }
 
 }  // namespace qerr

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/text.hpp"
@@ -10,7 +13,10 @@
 
 namespace qerr {
 
-/// Text that fits a terminal.
+/// Text and tables that fit a terminal.
+
+/// Rows of cells; of tables with a header it is the first one.
+using TableRows = std::vector<std::vector<std::string>>;
 
 /// `wrapped_lines` and `wrapped` of core/text.hpp with the same width, or indent, for all lines.
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
@@ -25,13 +31,15 @@ std::string defined(const std::string& term, std::string_view meaning, std::size
 
 /// A table whose cells are aligned to the left and wrapped, so that its rows fit the width; the widest
 /// columns give way.
-std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std::size_t width,
-                          const std::string& indent = "  ");
+std::string wrapped_table(const TableRows& rows, std::size_t width, const std::string& indent = "  ");
 
-/// Parts of tables for a terminal.
+/// Aligns cells in columns: the first column to the left, the others to the right, two blanks between. A line
+/// for each row, without its line break.
+std::vector<std::string> aligned_lines(const TableRows& rows, const std::string& indent = "  ");
+std::string aligned(const TableRows& rows, const std::string& indent = "  ");
 
-/// Aligns cells in columns: the first column to the left, the others to the right, two blanks between.
-std::string aligned(const std::vector<std::vector<std::string>>& rows, const std::string& indent = "  ");
+/// The lines of a text, without their line breaks.
+std::vector<std::string> lines_of(const std::string& text);
 
 /// A fraction in percent, with three significant digits: `12.3 %`; `<0.001 %` and `>10000 %` beyond these
 /// ends, "" for NaN.
@@ -59,11 +67,36 @@ std::string shortened(const std::string& name, std::size_t width);
 /// `a, b and c`.
 std::string listed(const std::vector<std::string>& items);
 
+/// `a, b, c`. @param text  of an item
+template <class Items, class Text = std::identity>
+std::string joined(const Items& items, std::string_view separator = ", ", const Text& text = {}) {
+  std::string out;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!std::exchange(first, false)) out += separator;
+    out += std::invoke(text, item);
+  }
+  return out;
+}
+
+/// Appends an item that the list does not have yet. @returns whether it has none
+bool add_once(std::vector<std::string>& list, const std::string& item);
+
+/// Appends the items of another list.
+template <class T>
+void append(std::vector<T>& to, std::vector<T> items) {
+  to.insert(to.end(), std::make_move_iterator(items.begin()), std::make_move_iterator(items.end()));
+}
+
 /// A table of figures that fits the terminal: the first column to the left, the others to the right. Where it
 /// would be wider, the words of its header are stacked; where that is not enough, further columns follow in a
 /// table of their own below, behind the same first column.
 /// @param rows  the first one is the header
-std::string fitted_table(const std::vector<std::vector<std::string>>& rows, std::size_t width,
-                         const std::string& indent = "  ");
+std::string fitted_table(const TableRows& rows, std::size_t width, const std::string& indent = "  ");
+
+/// A section of a report's table: its title, a fitted table, and a remark below it; "" if no row follows the
+/// header.
+std::string table_section(const std::string& title, const TableRows& rows, const Style&,
+                          const std::string& remark = "");
 
 }  // namespace qerr

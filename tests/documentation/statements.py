@@ -283,7 +283,7 @@ STATEMENTS = {
     TOPICS["variants"]: [
         (
             r"make at least (\d+) variants",
-            lambda v: v.source("src/report/sweep/column_sweep.cpp", r"fewest_sharing = (\d+);"),
+            lambda v: v.source("src/report/sweep/run_sweep.cpp", r"fewest_sharing = (\d+);"),
         ),
     ],
     TOPICS["requirements"]: [

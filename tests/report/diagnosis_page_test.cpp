@@ -6,8 +6,8 @@
 #include "report/diagnosis/joint_residual.hpp"
 #include "report/diagnosis/page/residuals.hpp"
 #include "report/fourier.hpp"
+#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/prose.hpp"
 
 namespace qerr {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "report/page/bars.hpp"
 #include "report/page/frame.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/markup.hpp"

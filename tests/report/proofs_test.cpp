@@ -5,7 +5,7 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
-#include "qerr/report/named_figures.hpp"
+#include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
 #include "report/json_value.hpp"

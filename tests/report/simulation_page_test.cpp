@@ -6,7 +6,7 @@
 #include "core/random.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
-#include "report/simulation/page.hpp"
+#include "report/simulation/parts.hpp"
 
 namespace qerr {
 namespace {

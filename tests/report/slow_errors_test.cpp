@@ -1,4 +1,3 @@
-#include "report/analysis/slow_errors.hpp"
 
 #include <gtest/gtest.h>
 

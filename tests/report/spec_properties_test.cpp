@@ -9,10 +9,9 @@
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/sweep/csv_lines.hpp"
-#include "report/sweep/merge.hpp"
 #include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
+#include "report/sweep/shards.hpp"
 #include "support/random_spec.hpp"
 #include "support/workspace_figures.hpp"
 

@@ -5,10 +5,9 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
-#include "report/sweep/csv_lines.hpp"
 #include "report/sweep/grid.hpp"
-#include "report/sweep/merge.hpp"
 #include "report/sweep/shard_file.hpp"
+#include "report/sweep/shards.hpp"
 
 namespace qerr {
 namespace {

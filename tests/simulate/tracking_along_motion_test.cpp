@@ -9,7 +9,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/simulation_report.hpp"
-#include "report/simulation/cutoffs.hpp"
+#include "report/simulation/parts.hpp"
 #include "support/design_filter.hpp"
 #include "support/simulate_experiment.hpp"
 

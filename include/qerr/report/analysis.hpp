@@ -14,7 +14,7 @@
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 #include "qerr/input/spec.hpp"
-#include "qerr/report/named_figures.hpp"
+#include "qerr/report/comparison.hpp"
 
 namespace qerr {
 

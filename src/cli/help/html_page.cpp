@@ -93,7 +93,7 @@ std::string to_html(const Page& page) {
   for (const Block& block : page.blocks) {
     change_list(list_of(block.kind));
     if (block.kind == Block::Kind::heading)
-      body = &site.sections.emplace_back(page::Section{block.text, ""}).body;
+      body = &site.sections.emplace_back(page::PageSection{block.text, ""}).body;
     *body += html_of(block);
   }
   change_list("");

@@ -9,28 +9,19 @@
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/prose.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {
 
 namespace {
 
-std::string term(const std::string& name, const std::string& description) {
-  return "<dt>" + name + "</dt><dd>" + description + "</dd>";
-}
-
-std::string listed(const std::vector<std::string>& items) {
-  std::string out;
-  for (const std::string& item : items) out += (out.empty() ? "" : "<br/>") + item;
-  return out;
-}
+constexpr const char* line_break = "<br/>";
 
 std::string overrides_of(const Spec& spec) {
-  std::vector<std::string> all;
-  for (const auto& [key, value] : spec.overrides)
-    all.push_back("<code>" + escaped_markup(escaped(key + '=' + value, 300)) + "</code>");
-  return listed(all);
+  return joined(spec.overrides, line_break, [](const auto& o) {
+    return "<code>" + escaped_markup(escaped(o.first + '=' + o.second, 300)) + "</code>";
+  });
 }
 
 /// Encoders of many joints are alike: one line for all that have the same.
@@ -52,9 +43,8 @@ std::string encoders_of(const Spec& spec) {
     else
       kinds.emplace_back(text, name);
   }
-  std::vector<std::string> lines;
-  for (const auto& [text, joints] : kinds) lines.push_back(joints + ": " + escaped_markup(text));
-  return listed(lines);
+  return joined(kinds, line_break,
+                [](const auto& kind) { return kind.second + ": " + escaped_markup(kind.first); });
 }
 
 /// A verdict as a word and a sign beside its colour.
@@ -66,13 +56,11 @@ std::string drawn_verdict(const RequirementResult& r) {
 
 /// Where the tip errs most: joint by joint, `a1 -31.2 deg, ...`.
 std::string place_of(const Chain& chain, const Eigen::VectorXd& q) {
-  std::string out;
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const IndependentJoint& joint = chain.independent[static_cast<std::size_t>(i)];
-    out += (i > 0 ? ", " : "") + isolated(joint.name) + ' ' +
-           (joint.prismatic() ? readable(q[i], "m") : fixed_point(q[i] * 180 / std::numbers::pi, 1) + " deg");
-  }
-  return out;
+  return configuration_text(chain, q, [](const IndependentJoint& joint, double value) {
+    return isolated(joint.name) + ' ' +
+           (joint.prismatic() ? readable(value, "m")
+                              : fixed_point(value * 180 / std::numbers::pi, 1) + " deg");
+  });
 }
 
 /// The results of the spec as its file has it; empty without overrides, and where it cannot be judged.
@@ -90,10 +78,8 @@ std::optional<std::vector<RequirementResult>> results_of_file(const Spec& spec) 
 }
 
 std::string requirement_list(const Spec& spec) {
-  std::vector<std::string> lines;
-  for (const Requirement& r : spec.requirements) lines.push_back(name_markup(limited(r)));
-  lines.emplace_back("the spec itself is judged by qerr check");
-  return listed(lines);
+  return joined(spec.requirements, line_break, [](const Requirement& r) { return name_markup(limited(r)); }) +
+         line_break + "the spec itself is judged by qerr check";
 }
 
 }  // namespace
@@ -125,15 +111,16 @@ std::string requirement_table(const Spec& spec, const std::vector<RequirementRes
 
 std::string title_block(const Spec& spec, const std::optional<std::vector<RequirementResult>>& results,
                         const std::string& caption) {
-  std::string rows = term("Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12)) +
-                     term("Changed by --set", spec.overrides.empty() ? "nothing" : overrides_of(spec)) +
-                     term("Encoders", encoders_of(spec));
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12)},
+      {"Changed by --set", spec.overrides.empty() ? "nothing" : overrides_of(spec)},
+      {"Encoders", encoders_of(spec)}};
   if (spec.requirements.empty())
-    rows += term("Requirements", "none in the spec");
+    rows.emplace_back("Requirements", "none in the spec");
   else if (!results)
-    rows += term("Requirements", requirement_list(spec));
-  rows += term("Computed by", "qerr " + std::string(version()));
-  return "<div class=\"head\"><dl class=\"about\">" + rows + "</dl>\n" +
+    rows.emplace_back("Requirements", requirement_list(spec));
+  rows.emplace_back("Computed by", "qerr " + std::string(version()));
+  return title_list(rows) + '\n' +
          (results && !results->empty() ? requirement_table(spec, *results, caption) : "") + "</div>\n";
 }
 

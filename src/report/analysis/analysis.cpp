@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <numeric>
 
+#include "bound/figure_column.hpp"
 #include "bound/noise_in_motion.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
@@ -14,9 +14,9 @@
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/per_configuration.hpp"
-#include "report/analysis/proofs.hpp"
-#include "report/analysis/slow_errors.hpp"
+#include "report/analysis/figure_names.hpp"
+#include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/settling.hpp"
@@ -84,9 +84,8 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
   for (const Requirement& r : spec.requirements) {
     if (r.bound != Bound::sigma_in_motion) continue;
     if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
-    throw Error({r.place, "requirements", "the motion has too many samples for sigma_in_motion",
-                 "'" + r.quantity + "'",
-                 "shorten the motion, lower the filter's sample rate, or ask for sigma"});
+    throw requirement_error(r, "the motion has too many samples for sigma_in_motion",
+                            "shorten the motion, lower the filter's sample rate, or ask for sigma");
   }
 }
 
@@ -107,7 +106,7 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
   });
   if (random)
     warnings.emplace_back("the worst case of noise and jitter is four sigma: single readings exceed it");
-  for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
+  append(warnings, effect_warnings(spec, effects));
   if (std::string assumed = warning_of_limits(spec, effects); !assumed.empty())
     warnings.push_back(std::move(assumed));
   return warnings;
@@ -131,12 +130,10 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
     warnings.emplace_back(
         "pitch: a sample is at the gimbal lock (pitch = +-90 deg), where pitch has no rate, and its figures "
         "no bound; use rx ry rz");
-  for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
-  if (!spec.filters.empty())
-    for (std::string& warning : warnings_of_derivatives(spec, noise, w, effects))
-      warnings.push_back(std::move(warning));
-  for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
-  for (std::string& warning : count_rate_warnings(spec)) warnings.push_back(std::move(warning));
+  append(warnings, warnings_of_scope(spec, effects));
+  if (!spec.filters.empty()) append(warnings, warnings_of_derivatives(spec, noise, w, effects));
+  append(warnings, filter_warnings(spec));
+  append(warnings, count_rate_warnings(spec));
   if (!w.exact_percentiles) warnings.emplace_back("percentiles are counted in bins: right to 1e-3 relative");
   return warnings;
 }
@@ -187,65 +184,38 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options, const ProofR
   return analyze(spec, effect_report(spec), options, proofs);
 }
 
-namespace {
-
-/// Rows of a form, for each batch of configurations.
-using RowsOfBatch = std::string (*)(const Spec&, const std::vector<Eigen::VectorXd>& noise,
-                                    const ConfigurationBatch&);
-
-/// @param begin  sees the noise in motion, with which the columns are known, before the rows
-/// @param write  is given the rows in the order of the configurations
-Analysis analyze_with_rows(const Spec& spec, const WorkspaceOptions& options, RowsOfBatch rows,
-                           const std::function<void(const std::vector<Eigen::VectorXd>& noise)>& begin,
-                           const std::function<void(const std::string&)>& write, const ProofRequest& proofs) {
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
+                 const std::function<void(const std::string&)>& csv, const ProofRequest& proofs) {
   EffectReport effects = effect_report(spec);
   Spec with_effects = spec;
   add_effects(effects, with_effects);
-  WorkspaceOptions with_rows = options;
-  with_rows.noise_in_motion = noise_in_motion(spec, options.threads);
-  begin(with_rows.noise_in_motion);
-  with_rows.text = [&](const ConfigurationBatch& batch) {
-    return rows(with_effects, with_rows.noise_in_motion, batch);
+  WorkspaceOptions all = options;
+  all.noise_in_motion = noise_in_motion(spec, options.threads);
+  csv(per_configuration_header(spec, all.noise_in_motion));
+  all.text = [&](const ConfigurationBatch& batch) {
+    return per_configuration_rows(with_effects, all.noise_in_motion, batch);
   };
-  with_rows.write = write;
-  return analyze(spec, std::move(effects), with_rows, proofs);
-}
-
-/// The bytes of the numbers.
-std::string bytes_of_numbers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
-                             const ConfigurationBatch& batch) {
-  const std::vector<double> numbers = per_configuration_numbers(spec, noise, batch);
-  std::string bytes(numbers.size() * sizeof(double), '\0');
-  std::memcpy(bytes.data(), numbers.data(), bytes.size());
-  return bytes;
-}
-
-}  // namespace
-
-Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
-                 const std::function<void(const std::string&)>& csv, const ProofRequest& proofs) {
-  return analyze_with_rows(
-      spec, options, per_configuration_rows,
-      [&](const auto& noise) { csv(per_configuration_header(spec, noise)); }, csv, proofs);
+  all.write = csv;
+  return analyze(spec, std::move(effects), all, proofs);
 }
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options, ConfigurationColumns& columns,
                  const ProofRequest& proofs) {
-  columns = {};
-  return analyze_with_rows(
-      spec, options, bytes_of_numbers,
-      [&](const auto& noise) {
-        columns.names = per_configuration_names(spec, noise);
-        columns.values.resize(columns.names.size());
-      },
-      [&](const std::string& bytes) {
-        double number = 0;
-        for (std::size_t i = 0; i * sizeof number < bytes.size(); ++i) {
-          std::memcpy(&number, bytes.data() + i * sizeof number, sizeof number);
-          columns.values[i % columns.values.size()].push_back(number);
-        }
-      },
-      proofs);
+  EffectReport effects = effect_report(spec);
+  Spec with_effects = spec;
+  add_effects(effects, with_effects);
+  WorkspaceOptions all = options;
+  all.noise_in_motion = noise_in_motion(spec, options.threads);
+  columns.names = per_configuration_names(spec, all.noise_in_motion);
+  const std::size_t count = columns.names.size();
+  columns.values.assign(count, std::vector<double>(size(spec.configurations)));
+  all.visit = [&](const ConfigurationBatch& batch) {
+    if (options.visit) options.visit(batch);
+    const std::vector<double> numbers = per_configuration_numbers(with_effects, all.noise_in_motion, batch);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      columns.values[i % count][static_cast<std::size_t>(batch.first) + i / count] = numbers[i];
+  };
+  return analyze(spec, std::move(effects), all, proofs);
 }
 
 Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
@@ -271,8 +241,7 @@ Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions&
                  const ProofRequest& proofs) {
   Analysis a = analysis_without_warnings(spec, std::move(effects), options);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
-  if (a.control)
-    for (std::string& warning : control_warnings(spec, *a.control)) a.warnings.push_back(std::move(warning));
+  if (a.control) append(a.warnings, control_warnings(spec, *a.control));
   add_proofs(a, proofs, options.threads);
   return a;
 }

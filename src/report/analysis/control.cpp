@@ -1,11 +1,15 @@
 #include "report/analysis/control.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "control/figures.hpp"
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
+#include "report/analysis/requirements.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -58,7 +62,7 @@ bool is_required(const Spec& spec, std::size_t joint) {
 /// transmission, and at walls all that are multiplied. "" if there are none.
 /// @param joint  of the loop; empty: of any
 std::string uncounted_readings(const Spec& spec, std::optional<std::size_t> joint, bool of_walls) {
-  std::string all;
+  std::vector<std::string> all;
   const Eigen::MatrixXd coupling = spec.model.transmission.coupling.dense();
   for (std::size_t j = 0; j < spec.model.control->joints.size(); ++j) {
     const LoopReading& r = spec.model.control->joints[j].reading;
@@ -67,9 +71,9 @@ std::string uncounted_readings(const Spec& spec, std::optional<std::size_t> join
                        (coupling.col(at).array() != 0).count() == 1,
                concerned = !joint || coupling(static_cast<Eigen::Index>(*joint), at) != 0;
     if (concerned && ((of_walls && r.factor != 1) || (!alone && (r.factor != 1 || r.delay != 0))))
-      all += (all.empty() ? "" : ", ") + spec.model.chain.independent[j].name;
+      all.push_back(spec.model.chain.independent[j].name);
   }
-  return all;
+  return joined(all);
 }
 
 constexpr const char* about_uncounted =
@@ -154,7 +158,7 @@ double control_value(const Requirement& r, const Spec& spec, const ControlReport
   using Kind = ControlFigure::Kind;
   const Control& control = *spec.model.control;
   const auto fault = [&](const std::string& rule, const std::string& remedy) {
-    return Error({r.place, "requirements", rule, quoted(r.quantity), remedy});
+    return requirement_error(r, rule, remedy);
   };
   for (const ControlFigure& f : control_figures(control, spec.model.chain)) {
     if (f.name != r.quantity) continue;
@@ -198,12 +202,12 @@ std::vector<std::string> control_warnings(const Spec& spec, const ControlReport&
   if (!spec.model.control) return warnings;
   const Control& control = *spec.model.control;
   const Chain& chain = spec.model.chain;
-  std::string without;
+  std::vector<std::string> without;
   for (std::size_t j = 0; j < control.joints.size(); ++j)
     if (control.joints[j].acts() && !has_loop(control, chain, j))
-      without += (without.empty() ? "" : ", ") + chain.independent[j].name;
+      without.push_back(chain.independent[j].name);
   if (!without.empty())
-    warnings.push_back("control: the loop of " + without +
+    warnings.push_back("control: the loop of " + joined(without) +
                        " is not closed: its inertia is not known; state 'inertia:'" +
                        (spec.model.tips ? ", as the masses beyond several tips are not added up"
                                         : ", or give the URDF's links their masses"));
@@ -224,6 +228,146 @@ std::vector<std::string> control_warnings(const Spec& spec, const ControlReport&
   if (!control.walls.empty() && !missing.empty())
     warnings.push_back("walls: no stiffness is given; state " + missing + " in control.joints");
   return warnings;
+}
+
+namespace {
+
+std::string degrees(const std::optional<double>& angle) {
+  return angle ? significant(*angle * 180 / std::numbers::pi, 3) + " deg" : "-";
+}
+
+std::string hertz(const std::optional<double>& f) { return f ? readable(*f, "Hz") : "-"; }
+
+ControlTable loop_table(const Spec& spec, const ControlReport& report) {
+  TableRows rows{{"", "inertia", "gain margin", "phase margin", "bandwidth", "limit cycle at most",
+                  "predicted on a count", "predicted on an edge", "torque step"}};
+  for (const WorstLoop& l : report.loops) {
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const std::string unit = joint.prismatic() ? "m" : "rad", torque = joint.prismatic() ? "N" : "N m",
+                      mass = joint.prismatic() ? "kg" : "kg m^2";
+    std::string inertia = significant(l.least_inertia, 3);
+    if (l.largest_inertia > l.least_inertia * 1.001) inertia += " .. " + significant(l.largest_inertia, 3);
+    if (!l.stable) {
+      rows.push_back(
+          {shown(joint.name), inertia + ' ' + mass, "unstable", "-", "-", "unbounded", "-", "-", "-"});
+      continue;
+    }
+    const LimitCycle& c = l.cycle;
+    rows.push_back({shown(joint.name), inertia + ' ' + mass,
+                    std::isinf(l.margins.gain) ? "inf" : significant(l.margins.gain, 4),
+                    degrees(l.margins.phase), hertz(l.margins.bandwidth), readable(c.bound, unit),
+                    c.on_count ? "yes" : "no",
+                    c.on_edge ? readable(c.edge_amplitude, unit) + " at " + hertz(c.frequency) : "no",
+                    readable(c.torque_step, torque)});
+  }
+  const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
+                                   [](const WorstLoop& l) { return l.largest_inertia > l.least_inertia; });
+  std::vector<std::string> of_play, of_friction;
+  for (const WorstLoop& l : report.loops) {
+    if (!l.stable) continue;
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const auto& friction = spec.model.control->joints[l.joint].friction;
+    if (l.cycle.on_edge)
+      of_friction.push_back(shown(joint.name) + ' ' +
+                            readable(l.cycle.ending_friction, joint.prismatic() ? "N" : "N m") +
+                            (!friction                             ? ""
+                             : *friction > l.cycle.ending_friction ? " (less than stated)"
+                                                                   : " (more than stated)"));
+    if (l.cycle.play)
+      of_play.push_back(shown(joint.name) + ' ' +
+                        readable(l.cycle.play->amplitude, joint.prismatic() ? "m" : "rad") + " at " +
+                        hertz(l.cycle.play->frequency));
+  }
+  return {
+      sampled ? "Loops, at the worst inertia between these ends" : "Loops",
+      std::move(rows),
+      {std::string("limit cycle at most: ") +
+       (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
+                : "proven, whatever the motion") +
+       "; predicted: by the describing function of rounding, a first harmonic: short pulses may keep "
+       "alive what it does not predict" +
+       (of_friction.empty() ? ""
+                            : "; Coulomb friction that ends one between two counts: " + joined(of_friction)) +
+       (of_play.empty() ? "" : "; play is predicted to keep alive: " + joined(of_play))}};
+}
+
+ControlTable wall_table(const Spec& spec, const ControlReport& report) {
+  TableRows rows{
+      {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
+  std::vector<std::string> places;
+  for (const WorstWall& w : report.walls) {
+    if (std::isinf(w.limit.stiffness())) {
+      rows.push_back({shown(w.name), "felt by no joint", "-", "-", "-", "-"});
+      continue;
+    }
+    rows.push_back({shown(w.name), readable(w.limit.stiffness(), "N/m"),
+                    w.limit.by_quantization() ? "counts, friction" : "rate, damping",
+                    shown(spec.model.chain.independent[w.limit.joint()].name), readable(w.sampling, "N/m"),
+                    readable(w.quantization, "N/m")});
+    places.push_back(shown(w.name) + ": " +
+                     configuration_text(spec.model.chain, w.at, [](const auto& joint, double value) {
+                       return shown(joint.name) + ' ' + significant(value, 4);
+                     }));
+  }
+  return {"Virtual walls: the least stiffness over the configurations that stays passive",
+          std::move(rows),
+          {(places.empty() ? "" : "least at ") + joined(places, "; "),
+           "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
+           "of the counts"}};
+}
+
+std::string gain_line(const Spec& spec, const ControlReport& report) {
+  if (report.gains.empty()) return "";
+  return "largest kd that meets the requirements, loop open: " +
+         joined(report.gains, "; ", [&](const GainReport& g) {
+           const IndependentJoint& joint = spec.model.chain.independent[g.joint];
+           return shown(joint.name) + ' ' +
+                  (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
+                  " (" + g.quantity + ')';
+         });
+}
+
+ControlTable torque_table(const Spec& spec, const ControlReport& report) {
+  const auto& joints = spec.model.chain.independent;
+  const bool limited = std::any_of(report.torques.begin(), report.torques.end(),
+                                   [](const OpenTorque& t) { return t.relative.has_value(); });
+  TableRows rows{{"", "worst case"}};
+  if (limited) rows[0].emplace_back("of the effort limit");
+  rows[0].emplace_back("encoders' parts of it");
+  for (const OpenTorque& t : report.torques) {
+    std::vector<std::string> parts;
+    for (Eigen::Index e = 0; e < t.share.size(); ++e)
+      if (constexpr double shown_from = 0.005; t.share[e] >= shown_from)
+        parts.push_back(shown(joints[static_cast<std::size_t>(e)].name) + ' ' + percent(t.share[e]));
+    rows.push_back(
+        {shown(joints[t.joint].name), readable(t.worst_case, joints[t.joint].prismatic() ? "N" : "N m")});
+    if (limited) rows.back().push_back(t.relative ? significant(100 * *t.relative, 3) + " %" : "-");
+    rows.back().push_back(joined(parts));
+  }
+  return {"Torques due to errors, the loops open", std::move(rows), {}};
+}
+
+}  // namespace
+
+std::vector<ControlTable> control_tables(const Spec& spec, const ControlReport& report) {
+  std::vector<ControlTable> all;
+  if (!report.torques.empty()) all.push_back(torque_table(spec, report));
+  if (!report.loops.empty()) all.push_back(loop_table(spec, report));
+  if (const std::string gains = gain_line(spec, report); !gains.empty()) {
+    if (all.empty()) all.emplace_back();
+    all.back().notes.push_back(gains);
+  }
+  if (!report.walls.empty()) all.push_back(wall_table(spec, report));
+  return all;
+}
+
+std::string control_text(const Spec& spec, const ControlReport& report, const Style& style) {
+  std::string out;
+  for (const ControlTable& table : control_tables(spec, report)) {
+    if (!table.rows.empty()) out += heading(table.title, style) + fitted_table(table.rows, style.width);
+    for (const std::string& note : table.notes) out += wrapped(note, style.width, "  ");
+  }
+  return out;
 }
 
 }  // namespace qerr

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/text_table.hpp"
 
 /// The section of `analyze` about loops and walls, and its figures in requirements.
 namespace qerr {
@@ -57,7 +57,7 @@ std::vector<std::string> control_warnings(const Spec&, const ControlReport&);
 /// A table of torques, loops or walls for people, its header first, with remarks below it.
 struct ControlTable {
   std::string title;
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   std::vector<std::string> notes;
 };
 std::vector<ControlTable> control_tables(const Spec&, const ControlReport&);

@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -55,8 +56,7 @@ std::optional<double> largest_speed(const Spec& spec, std::size_t encoder) {
 }
 
 std::string count_rate_table(const Spec& spec, const Style& style) {
-  std::vector<std::vector<std::string>> rows{
-      {"encoder", "largest speed", "count rate", "highest count rate", "followed up to", "limit"}};
+  TableRows rows{{"encoder", "largest speed", "count rate", "highest count rate", "followed up to", "limit"}};
   const EncoderSpeeds speeds = encoder_speeds(spec);
   for (std::size_t i = 0; i < speeds.size(); ++i) {
     const std::optional<CountLimit> limit = count_limit(spec, i);
@@ -66,8 +66,7 @@ std::string count_rate_table(const Spec& spec, const Style& style) {
                     speeds[i] ? per_second(count_rate(spec, i, *speeds[i])) : "not known",
                     per_second(limit->rate), readable(*largest_speed(spec, i), unit), limit->what});
   }
-  if (rows.size() == 1) return "";
-  return heading("Counters: can they follow the joints?", style) + fitted_table(rows, style.width);
+  return table_section("Counters: can they follow the joints?", rows, style);
 }
 
 std::string count_rate_text(const Spec& spec, std::size_t encoder, double speed) {
@@ -105,10 +104,9 @@ bool any_counter(const Spec& spec) {
 double required_count_rate(const Requirement& r, const Spec& spec, const EncoderSpeeds& speeds) {
   const auto i = static_cast<std::size_t>(r.counter);
   if (speeds[i]) return count_rate(spec, i, *speeds[i]);
-  throw Error(Fault{
-      r.place, "requirements",
-      "the rate of counts is not known, as the speed of joint " + quoted(joint_name(spec, i)) + " is not",
-      quoted(r.quantity), speed_remedy});
+  throw requirement_error(
+      r, "the rate of counts is not known, as the speed of joint " + quoted(joint_name(spec, i)) + " is not",
+      speed_remedy);
 }
 
 }  // namespace qerr

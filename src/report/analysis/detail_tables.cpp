@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/text.hpp"
@@ -38,7 +39,7 @@ const char* sigma_label(const Analysis& a) {
 /// @param group  of closed loops: `closed_torque`; "": of all other signals
 std::string position_table(const Analysis& a, const std::string& group, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
-  std::vector<std::vector<std::string>> rows{headings()};
+  TableRows rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const bool closed = is_closed(coordinates[i]);
     if ((closed ? coordinates[i].kind->group : "") != group) continue;
@@ -55,7 +56,7 @@ std::string position_table(const Analysis& a, const std::string& group, const St
 
 std::string derivative_table(const Analysis& a, std::size_t f, const Style& style) {
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
-  std::vector<std::vector<std::string>> rows{headings()};
+  TableRows rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const Signal& c = coordinates[i];
     if (!is_filtered(a.spec.filters[f], c)) continue;
@@ -94,6 +95,101 @@ std::string detail_tables(const Analysis& a, const Style& style) {
                       "sigma in motion: encoders move as in `motion:`, Jacobians are those of the "
                       "configurations",
                       style.width, "  ");
+  return out;
+}
+
+namespace {
+
+using Three = std::array<Coordinate, 3>;
+
+/// Indices of three coordinates in the model; empty if one is missing.
+std::optional<std::array<Eigen::Index, 3>> find_three(const OperationalModel& model, const Three& wanted) {
+  std::array<Eigen::Index, 3> at{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto found = std::find(model.coordinates.begin(), model.coordinates.end(), wanted[i]);
+    if (found == model.coordinates.end()) return std::nullopt;
+    at[i] = found - model.coordinates.begin();
+  }
+  return at;
+}
+
+Eigen::Matrix3d block(const Eigen::MatrixXd& covariance, const std::array<Eigen::Index, 3>& at) {
+  Eigen::Matrix3d three;
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c)
+      three(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = covariance(at[r], at[c]);
+  return three;
+}
+
+}  // namespace
+
+std::vector<TipEllipsoids> tip_ellipsoids(const Analysis& a) {
+  std::vector<TipEllipsoids> all;
+  if (a.workspace.covariance_at_largest.size() == 0) return all;
+  const auto add = [&](std::string_view of, std::string_view unit, const Three& coordinates) {
+    if (const auto at = find_three(a.spec.model, coordinates))
+      all.push_back({of, unit, error_ellipsoid(block(a.workspace.mean_covariance, *at)),
+                     error_ellipsoid(block(a.workspace.covariance_at_largest, *at))});
+  };
+  add("position", "m", {Coordinate::x, Coordinate::y, Coordinate::z});
+  add("rotation", "rad", {Coordinate::rx, Coordinate::ry, Coordinate::rz});
+  return all;
+}
+
+std::string ellipsoid_tables(const Analysis& a, const Style& style) {
+  const std::string axes = a.spec.model.frame == CoordinateFrame::tip ? "the tip" : "the base";
+  std::string out;
+  for (const TipEllipsoids& tip : tip_ellipsoids(a)) {
+    TableRows rows{{"semi-axis", "sigma", "x", "y", "z"}};
+    const auto add = [&](const std::string& where, const ErrorEllipsoid& e) {
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        rows.push_back(
+            {where + ' ' + std::to_string(i + 1), readable(e.semi_axes[i], std::string(tip.unit))});
+        for (Eigen::Index c = 0; c < 3; ++c) rows.back().push_back(fixed_point(e.directions(c, i), 3));
+      }
+    };
+    add("mean", tip.mean);
+    add("largest", tip.at_largest);
+    out += table_section(
+        "Ellipsoid of one sigma of the " + std::string(tip.of) + ", directions in the axes of " + axes, rows,
+        style);
+  }
+  if (!out.empty())
+    out += wrapped(
+        "mean: root mean square over the configurations; largest: where that of the position is largest",
+        style.width, "  ");
+  return out;
+}
+
+namespace {
+
+std::string table_of(const Exceedance& e, const std::string& base, const Style& style) {
+  std::string out =
+      heading(shown(e.quantity) + " above " + readable(e.limit, e.unit) + ": " + std::to_string(e.above) +
+                  " of " + std::to_string(e.count) + " configurations, " +
+                  percent(static_cast<double>(e.above) / static_cast<double>(e.count)),
+              style);
+  if (e.above == 0) return out;
+  TableRows rows{{"distance of the tip", "configurations", "above", "share"}};
+  for (const Exceedance::Shell& s : e.by_distance)
+    if (s.count > 0)
+      rows.push_back({significant(s.from, 3) + " to " + significant(s.to, 3) + " m", std::to_string(s.count),
+                      std::to_string(s.above),
+                      percent(static_cast<double>(s.above) / static_cast<double>(s.count))});
+  out += fitted_table(rows, style.width);
+  std::string box = "distance: from the origin of " + escaped(base, 60) + "; above the limit the tip is at";
+  const char* const names = "xyz";
+  for (Eigen::Index i = 0; i < 3; ++i)
+    box += std::string(i > 0 ? ", " : " ") + names[i] + ' ' + significant(e.lowest[i], 3) + " to " +
+           significant(e.highest[i], 3) + " m";
+  return out + wrapped(box, style.width, "  ");
+}
+
+}  // namespace
+
+std::string exceedance_tables(const Analysis& a, const Style& style) {
+  std::string out;
+  for (const Exceedance& e : a.exceedances) out += table_of(e, a.spec.model.chain.base, style);
   return out;
 }
 

@@ -1,24 +1,17 @@
 #include "report/analysis/exceedance.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 
 #include "bound/figure_column.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "report/analysis/figure_names.hpp"
+#include "report/text_picture.hpp"
 
 namespace qerr {
 
 namespace {
-
-/// The smallest of 1, 2, 5 times a power of ten that is at least `least`.
-double round_step(double least) {
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= least) return factor * power;
-  return 10 * power;
-}
 
 constexpr double most_shells = 10;  // that fit on a terminal beside the other tables
 
@@ -34,13 +27,9 @@ struct ExceedanceCounter::Job {
   std::vector<Exceedance> counts;  // [limit]; sums and extremes do not depend on the order of the batches
 
   void count(const ConfigurationBatch& batch) {
-    Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
     std::vector<Eigen::Vector3d> tips;
-    for (std::size_t i = 0; i < batch.count; ++i) {
-      for (Eigen::Index j = 0; j < q.size(); ++j)
-        q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
-      tips.push_back(forward_kinematics(chain, q).translation());
-    }
+    for (std::size_t i = 0; i < batch.count; ++i)
+      tips.push_back(forward_kinematics(chain, configuration_of(batch, i, chain)).translation());
     const std::lock_guard lock(guard);
     for (std::size_t l = 0; l < limits.size(); ++l) {
       const auto [figure, factor] = figure_column(figures[l], filters, batch.layout);

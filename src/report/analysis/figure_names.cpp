@@ -1,10 +1,15 @@
 #include "report/analysis/figure_names.hpp"
 
 #include <cmath>
+#include <limits>
 
+#include "bound/figure_column.hpp"
+#include "qerr/report/analysis.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 
@@ -79,6 +84,126 @@ std::vector<SingleFigure> single_figures(const Analysis& a) {
     all.push_back({encoder + ".max_count_rate", "1/s", "max", limit->rate});
   }
   return all;
+}
+
+std::string to_csv(const Analysis& a, const Style&) {
+  return std::string(analysis_csv_header) + "\r\n" + analysis_csv_rows(a, "", all_statistics());
+}
+
+std::vector<const StatisticKind*> all_statistics() {
+  std::vector<const StatisticKind*> all;
+  for (const StatisticKind& kind : statistic_kinds()) all.push_back(&kind);
+  return all;
+}
+
+std::string analysis_csv_rows(const Analysis& a, const std::string& before,
+                              const std::vector<const StatisticKind*>& statistics) {
+  std::string out;
+  for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
+    const std::string prefix = before + std::string(name.signal) + ',' + csv_cell(name.filter) + ',' +
+                               csv_cell(name.coordinate) + ',' + name.unit + ',' + std::string(name.bound) +
+                               ',';
+    for (const StatisticKind* kind : statistics)
+      out += prefix + std::string(kind->name) + ',' + csv_number(s.*kind->value) + "\r\n";
+    const ProvenMaximum* const proven = find_proof(a, name.figure);
+    if (!proven) return;
+    out += prefix + "proven_lower," + csv_number(proven->lower) + "\r\n";
+    out += prefix + std::string(proven_statistic) + ',' + csv_number(proven->upper) + "\r\n";
+  });
+  for (const StatisticKind* kind : statistics) {
+    if (kind->name != "mean") continue;  // the encoders' parts of the mean variance
+    const std::vector<double> budget = encoder_budget(a);
+    for (std::size_t i = 0; i < budget.size(); ++i)
+      out += before + "budget,," + csv_cell(a.spec.model.chain.independent[i].name) + ",,share,mean," +
+             csv_number(budget[i]) + "\r\n";
+  }
+  for (const SingleFigure& f : single_figures(a)) {
+    const std::size_t first = f.quantity.find('.'), last = f.quantity.rfind('.');
+    out += before + f.quantity.substr(0, first) + ",," +
+           csv_cell(f.quantity.substr(first + 1, last - first - 1)) + ',' + f.unit + ',' +
+           f.quantity.substr(last + 1) + ',' + std::string(f.statistic) + ',' + csv_number(f.value) + "\r\n";
+  }
+  return out;
+}
+
+namespace {
+
+std::string unit_in_brackets(const std::string& unit) { return " [" + unit + ']'; }
+
+/// The figures of the columns.
+std::vector<FigureName> figures_of(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  std::vector<FigureName> figures = all_figures(spec);
+  std::erase_if(figures, [&](const FigureName& name) {
+    const auto [signal, filter, bound] = name.figure;
+    return bound == Bound::sigma_quantization ||
+           (bound == Bound::sigma_in_motion && !is_known(noise, static_cast<std::size_t>(filter)));
+  });
+  return figures;
+}
+
+}  // namespace
+
+Eigen::VectorXd configuration_of(const ConfigurationBatch& batch, std::size_t i, const Chain& chain) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
+  return q;
+}
+
+std::vector<std::string> per_configuration_names(const Spec& spec,
+                                                 const std::vector<Eigen::VectorXd>& noise) {
+  std::vector<std::string> names, positions;
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    names.push_back(joint.name + unit_in_brackets(joint.prismatic() ? "m" : "rad"));
+  for (const FigureName& name : figures_of(spec, noise)) {
+    names.push_back(name.quantity() + unit_in_brackets(name.unit));
+    if (name.signal == "position") positions.push_back(names.back().substr(name.signal.size() + 1));
+  }
+  names.insert(names.end(), positions.begin(), positions.end());  // the names before version 2
+  for (const char* of_tip : {"tip.x [m]", "tip.y [m]", "tip.z [m]"}) names.emplace_back(of_tip);
+  return names;
+}
+
+std::vector<double> per_configuration_numbers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                              const ConfigurationBatch& batch) {
+  const std::vector<FigureName> figures = figures_of(spec, noise);
+  const std::vector<Norms> norms = filter_norms(spec);
+  std::vector<double> numbers, positions;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const Eigen::VectorXd q = configuration_of(batch, i, spec.model.chain);
+    numbers.insert(numbers.end(), q.begin(), q.end());
+    positions.clear();
+    for (const FigureName& name : figures) {
+      const Figure& f = name.figure;
+      const FigureColumn column = figure_column(f, norms, batch.layout);
+      const bool known = f.filter < 0 || !is_sigma(f.bound) ||
+                         sigma_is_known(spec.model.sources, static_cast<std::size_t>(f.filter));
+      numbers.push_back(known ? column.factor * batch.figures[column.figure * batch_size + i]
+                              : std::numeric_limits<double>::quiet_NaN());
+      if (name.signal == "position") positions.push_back(numbers.back());
+    }
+    numbers.insert(numbers.end(), positions.begin(), positions.end());
+    for (const double x : forward_kinematics(spec.model.chain, q).translation().eval()) numbers.push_back(x);
+  }
+  return numbers;
+}
+
+std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  std::string out;
+  for (const std::string& name : per_configuration_names(spec, noise))
+    out += (out.empty() ? "" : ",") + csv_cell(name);
+  return out + "\r\n";
+}
+
+std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                   const ConfigurationBatch& batch) {
+  const std::vector<double> numbers = per_configuration_numbers(spec, noise, batch);
+  const std::size_t columns = batch.count > 0 ? numbers.size() / batch.count : 0;
+  std::string out;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isnan(numbers[i])) out += csv_number(numbers[i]);
+    out += (i + 1) % columns == 0 ? "\r\n" : ",";
+  }
+  return out;
 }
 
 }  // namespace qerr

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "qerr/input/spec.hpp"
 #include "qerr/report/analysis.hpp"
 
 namespace qerr {
@@ -56,5 +58,29 @@ std::vector<const StatisticKind*> all_statistics();
 /// @param before  cells at the begin of each row, with their commas
 std::string analysis_csv_rows(const Analysis&, const std::string& before,
                               const std::vector<const StatisticKind*>& statistics);
+
+/// The columns of `qerr analyze --per-configuration`, as CSV and as numbers.
+
+struct ConfigurationBatch;
+
+/// Joint coordinates of a configuration of a batch [rad or m].
+Eigen::VectorXd configuration_of(const ConfigurationBatch&, std::size_t i, const Chain&);
+
+/// The headers of the columns.
+/// @param noise  of `noise_in_motion`
+std::vector<std::string> per_configuration_names(const Spec&, const std::vector<Eigen::VectorXd>& noise);
+
+/// The values of the configurations of a batch, a row each; NaN where sigma is not known.
+/// @param spec  its model as the errors were computed with, error sources of the effects included
+std::vector<double> per_configuration_numbers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                              const ConfigurationBatch&);
+
+/// @param noise  of `noise_in_motion`
+std::string per_configuration_header(const Spec&, const std::vector<Eigen::VectorXd>& noise);
+
+/// One row for each configuration of the batch.
+/// @param spec  its model as the errors were computed with, error sources of the effects included
+std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                   const ConfigurationBatch&);
 
 }  // namespace qerr

@@ -8,7 +8,7 @@
 #include "report/analysis/page/pictures.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/page/prose.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -80,7 +80,7 @@ std::string isolated_quantity(const FigureName& name) {
 }
 
 std::string summary(const Analysis& a) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     const ProvenMaximum* proof = find_proof(a, name.figure);
     rows.push_back({isolated_quantity(name), readable(s.p50, name.shown_unit),
@@ -96,12 +96,8 @@ std::string control_part(const Analysis& a) {
   std::string out;
   if (a.control)
     for (ControlTable& table : control_tables(a.spec, *a.control)) {
-      if (!table.rows.empty()) {
-        std::vector<std::string> header = table.rows.front();
-        header.front() = "name";
-        table.rows.erase(table.rows.begin());
-        out += page::subtitle(table.title) + page::table(header, table.rows);
-      }
+      if (!table.rows.empty())
+        out += page::subtitle(table.title) + page::table(std::move(table.rows), "name");
       for (const std::string& note : table.notes) out += page::paragraph(note + '.');
     }
   return out;

@@ -5,8 +5,8 @@
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/ellipsoids.hpp"
-#include "report/analysis/json_header.hpp"
+#include "report/analysis/tables.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 
@@ -68,18 +68,18 @@ auto share(Eigen::VectorXd CoordinateStatistics::*shares) {
   };
 }
 
-struct Covariance {
+struct ReportedCovariance {
   Eigen::MatrixXd mean, at_largest;
 };
 
-std::optional<Covariance> covariance_behind(const FilteredTip& f) {
+std::optional<ReportedCovariance> covariance_behind(const FilteredTip& f) {
   const Workspace& w = f.whole.workspace;
   const double factor = f->norms.h2 * f->norms.h2;
   if (f.i >= w.filtered.size())
-    return Covariance{factor * w.mean_covariance, factor * w.covariance_at_largest};
+    return ReportedCovariance{factor * w.mean_covariance, factor * w.covariance_at_largest};
   const auto& behind = w.filtered[f.i];
   return only_if(behind.mean_covariance.size() > 0,
-                 Covariance{behind.mean_covariance, behind.covariance_at_largest});
+                 ReportedCovariance{behind.mean_covariance, behind.covariance_at_largest});
 }
 
 std::optional<std::vector<std::pair<std::string, double>>> noise_over_ipqn(const FilteredTip& f) {
@@ -185,7 +185,7 @@ RowsOf<ReportedStatistic> rows(Of<ReportedStatistic>) {
        {"proven", proof, "the maximum over the whole joint ranges; with --prove", optional}});
 }
 
-RowsOf<Covariance> rows(Of<Covariance>) {
+RowsOf<ReportedCovariance> rows(Of<ReportedCovariance>) {
   return {{"mean", [](auto& c) { return nested(c.mean); }, "over the configurations"},
           {"at_largest", [](auto& c) { return nested(c.at_largest); }, "where its trace is largest"}};
 }
@@ -413,6 +413,28 @@ RowsOf<Analysis> rows(Of<Analysis>) {
            {"control", control, "loops and walls of `control:`", optional},
            {"effects", within(&Analysis::effects)},
            {"warnings", &Analysis::warnings}});
+}
+
+std::string_view method_name(const Spec& spec) {
+  const SamplingMethod method = spec.configurations.method;
+  return method == SamplingMethod::sobol    ? "sobol"
+         : method == SamplingMethod::random ? "random"
+         : method == SamplingMethod::grid   ? "grid"
+         : spec.points_file.empty()         ? "list"
+                                            : "file";
+}
+
+std::vector<std::pair<std::string, double>> budget(const Analysis& a) {
+  const std::vector<double> shares = encoder_budget(a);
+  return by_joint(a.spec, Eigen::Map<const Eigen::VectorXd>(shares.data(), std::ssize(shares)));
+}
+
+RowsOf<ReportedProof> rows(Of<ReportedProof>) {
+  return {{"lower", &ReportedProof::lower, "reached at `at`", nullable},
+          {"upper", &ReportedProof::upper, "never exceeded, rounding included; null: no bound is known",
+           nullable},
+          {"gap", &ReportedProof::gap, "upper/lower - 1; null: unbounded", nullable},
+          {"at", [](auto& p) { return by_joint(p.spec, p.at); }, "joints"}};
 }
 
 }  // namespace qerr

@@ -1,4 +1,3 @@
-#include "report/analysis/proofs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 #include "bound/proven/reached.hpp"
 #include "core/text.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
@@ -134,16 +134,10 @@ std::vector<std::string> row_of(const Analysis& a, const ProvenResult& proof) {
                                 : percent(m.gap())};
 }
 
-/// `a1 0.12 rad, a2 -1.5 rad`. Joints without influence end where rounding leaves them.
+/// Joints without influence end where rounding leaves them.
 std::string place_of(const Analysis& a, const Eigen::VectorXd& q) {
   constexpr double least_shown = 1e-6;
-  std::string out;
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
-    out += (i ? ", " : "") + shown(joint.name) + ' ' +
-           readable(std::abs(q[i]) < least_shown ? 0 : q[i], joint.prismatic() ? "m" : "rad");
-  }
-  return out;
+  return configuration_text(a.spec.model.chain, (q.array().abs() < least_shown).select(0.0, q));
 }
 
 }  // namespace
@@ -174,15 +168,13 @@ void add_proofs(Analysis& a, const ProofRequest& request, unsigned threads) {
 
 std::string proof_table(const Analysis& a, const Style& style) {
   if (a.proofs.empty()) return "";
-  std::vector<std::vector<std::string>> rows{{"", "", "sampled", "reached", "proven bound", "gap"}};
+  TableRows rows{{"", "", "sampled", "reached", "proven bound", "gap"}};
   for (const ProvenResult& proof : a.proofs) rows.push_back(row_of(a, proof));
-  std::string out =
-      heading("Maximum over the whole joint ranges, proven", style) + fitted_table(rows, style.width);
+  std::string out = table_section("Maximum over the whole joint ranges, proven", rows, style);
   std::vector<std::string> told;
   for (const ProvenResult& proof : a.proofs) {
     const std::string place = place_of(a, proof.maximum.at);
-    if (is_zero(a, proof) || std::find(told.begin(), told.end(), place) != told.end()) continue;
-    told.push_back(place);
+    if (is_zero(a, proof) || !add_once(told, place)) continue;
     out += wrapped(name_of(a.spec, proof.figure).quantity() + " at " + place, style.width, "    ", "  ");
   }
   return out;

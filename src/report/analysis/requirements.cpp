@@ -11,8 +11,8 @@
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/analysis/json_header.hpp"
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -85,13 +85,13 @@ bool moved_by_rounding(const Analysis& a, const Requirement& r, double tolerance
 /// What to require in place of a quantity that no error reaches.
 std::string reached_instead(const Analysis& a) {
   const double least = static_cast<double>(a.spec.model.chain.joints.size() + 1) * rounded_angle;
-  std::string names;
+  std::vector<std::string> names;
   const std::vector<Signal> all = all_signals(a.spec.model);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (!is_below(a, -1, i, least)) names += (names.empty() ? "" : ", ") + all[i].name;
+    if (!is_below(a, -1, i, least)) names.push_back(all[i].name);
   return names.empty() ? "the joints move none of the spec's coordinates; add those that they move, such as "
                          "rx, ry, rz, to `coordinates`"
-                       : "the joints move " + names;
+                       : "the joints move " + joined(names);
 }
 
 }  // namespace
@@ -206,9 +206,8 @@ std::vector<RequirementResult> requirement_results(const Analysis& a) {
                       : r.proven       ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
                                        : evaluate(r, a.workspace, filters, norms));
     if (r.counter >= 0 && results.back().value == 0)
-      throw Error({r.place, "requirements",
-                   "the encoder does not move along `motion:`, which meets any limit", quoted(r.quantity),
-                   "let the joint move, or leave out `motion:`, for the URDF's speed"});
+      throw requirement_error(r, "the encoder does not move along `motion:`, which meets any limit",
+                              "let the joint move, or leave out `motion:`, for the URDF's speed");
   }
   return results;
 }
@@ -266,6 +265,30 @@ std::optional<double> part_of_limit(const Requirement& r, const RequirementResul
 
 std::string limited(const Requirement& r) {
   return r.name() + (r.at_least ? " >= " : " <= ") + limit_text(r);
+}
+
+Error requirement_error(const Requirement& r, const std::string& rule, const std::string& remedy,
+                        const std::string& name) {
+  return Error(Fault{r.place, "requirements", rule, quoted(name.empty() ? r.quantity : name), remedy});
+}
+
+Error spec_error(const Spec& spec, const std::string& key, const std::string& rule, const std::string& found,
+                 const std::string& remedy) {
+  return Error(Fault{{spec.file, 1, 1}, key, rule, found, remedy});
+}
+
+std::string relation(bool at_least, bool met) { return at_least ? (met ? ">=" : "<") : (met ? "<=" : ">"); }
+
+std::string configuration_text(
+    const Chain& chain, const Eigen::VectorXd& q,
+    const std::function<std::string(const IndependentJoint&, double value)>& text) {
+  std::vector<std::string> joints;
+  for (const double value : q) {
+    const IndependentJoint& joint = chain.independent[joints.size()];
+    joints.push_back(text ? text(joint, value)
+                          : shown(joint.name) + ' ' + readable(value, joint.prismatic() ? "m" : "rad"));
+  }
+  return joined(joints);
 }
 
 std::string value_text(const Requirement& r, double value) {

@@ -16,6 +16,22 @@ std::string value_text(const Requirement&, double value);
 /// `velocity.x.sigma p99 <= 1.00 mm/s`.
 std::string limited(const Requirement&);
 
+/// A fault of a requirement. @param name  that it shows; "": the quantity
+Error requirement_error(const Requirement&, const std::string& rule, const std::string& remedy,
+                        const std::string& name = "");
+
+/// A fault of a section of a spec, or of one that it lacks.
+Error spec_error(const Spec&, const std::string& key, const std::string& rule, const std::string& found,
+                 const std::string& remedy);
+
+/// How a value is to its limit: `<=`, or `>` where the limit is not met; of a lower limit `>=` or `<`.
+std::string relation(bool at_least, bool met);
+
+/// `j1 0.12 rad, j2 -1.5 rad`. @param text  of a joint's name and value
+std::string configuration_text(
+    const Chain&, const Eigen::VectorXd& q,
+    const std::function<std::string(const IndependentJoint&, double value)>& text = {});
+
 /// What may decide a requirement whose limit lies between what is reached and what is proven.
 inline constexpr std::string_view undecided_remedy = "a smaller gap may decide: --prove GAP";
 

@@ -3,11 +3,12 @@
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/analysis/json_header.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -20,17 +21,13 @@ bool SpecCheck::all_met() const {
 SpecCheck check(const Spec& spec, const WorkspaceOptions& options, const Baseline* baseline,
                 const ProofRequest& proofs) {
   if (spec.requirements.empty() && !baseline)
-    throw Error(
-        Fault{{spec.file, 1, 1},
-              "requirements",
-              "the spec has none: there is nothing to check",
-              "",
-              "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
-              "earlier report: --baseline OLD.json"});
+    throw spec_error(spec, "requirements", "the spec has none: there is nothing to check", "",
+                     "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
+                     "earlier report: --baseline OLD.json");
   SpecCheck report = evaluate(spec, options, proofs);
   if (!baseline) return report;
   report.baseline = against(*baseline, named_figures(report));
-  for (const std::string& warning : report.baseline->warnings) report.analysis.warnings.push_back(warning);
+  append(report.analysis.warnings, report.baseline->warnings);
   return report;
 }
 
@@ -143,6 +140,93 @@ RowsOf<CheckReport> rows(Of<CheckReport>) {
       {{"reports", &CheckReport::specs, "one for each spec, if there are several"},
        {"broken", &CheckReport::broken, "specs that cannot be checked"},
        {"met", &CheckReport::all_met, "all of all"}});
+}
+
+namespace {
+
+std::string table_of(const SpecCheck& check, const Style& style) {
+  TableRows rows;
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const Requirement& r = check.analysis.spec.requirements[i];
+    const RequirementResult& result = check.results[i];
+    rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
+                    value_text(r, result.value), relation(r.at_least, result.met), readable(r.limit, r.unit),
+                    result.met         ? "met"
+                    : result.undecided ? "NOT PROVEN"
+                                       : "NOT MET"});
+  }
+  const std::vector<std::string> lines = aligned_lines(rows);
+  std::string out;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const RequirementResult& result = check.results[i];
+    out += (result.met ? lines[i] : painted(lines[i], Paint::red, style)) + '\n';
+    if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
+      out += wrapped("largest at " + configuration_text(check.analysis.spec.model.chain, result.at_max),
+                     style.width, "      ");
+    if (result.undecided)
+      out += wrapped("between " + readable(result.proven->lower, check.analysis.spec.requirements[i].unit) +
+                         ", which is reached, and the proven bound: " + std::string(undecided_remedy),
+                     style.width, "      ");
+  }
+  return out;
+}
+
+std::string baseline_table(const BaselineCheck& b, const Style& style) {
+  const std::vector<FigureChange> worst = b.worst_by_quantity();
+  const std::size_t shown_rows = std::min(worst.size(), most_regressions);
+  std::string out = wrapped("Baseline: " + verdict(b), style.width);
+  TableRows rows{{"figure", "baseline", "now", "change"}};
+  for (std::size_t i = 0; i < shown_rows; ++i)
+    rows.push_back({shown(worst[i].figure.name()), readable(*worst[i].a, worst[i].figure.unit),
+                    readable(*worst[i].b, worst[i].figure.unit), change_text(worst[i])});
+  if (shown_rows > 0) out += fitted_table(rows, style.width);
+  if (shown_rows < b.regressions.size())
+    out += wrapped("and " + counted(b.regressions.size() - shown_rows, "more figure") + ": --format json",
+                   style.width, "  ");
+  for (const JudgedRequirement& r : b.dropped_requirements)
+    out += wrapped("the baseline requires " + shown(r.figure.name()) + ", which the spec does not",
+                   style.width, "  ");
+  for (const NamedFigure& f : b.not_in_baseline)
+    out += wrapped("the baseline has no " + shown(f.name()) + ", which the spec requires: it is not compared",
+                   style.width, "  ");
+  if (!b.missing.empty())
+    out += wrapped("the spec lacks " + counted(b.missing.size(), "figure") + " of the baseline, such as " +
+                       shown(b.missing.front().name()),
+                   style.width, "  ");
+  return out;
+}
+
+}  // namespace
+
+std::string to_table(const CheckReport& report, const Style& style) {
+  std::string out;
+  std::size_t failed = 0, count = 0, worse = 0;
+  const bool several = report.specs.size() + report.broken.size() > 1;
+  for (const SpecCheck& check : report.specs) {
+    if (several) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
+    out += table_of(check, style);
+    if (check.baseline) {
+      out += baseline_table(*check.baseline, style);
+      worse += check.baseline->regressions.size();
+    }
+    for (const RequirementResult& result : check.results) failed += !result.met;
+    count += check.results.size();
+  }
+  for (const BrokenSpec& b : report.broken)
+    out += painted(shown(b.file), Paint::bold, style) + "\n" +
+           painted("  cannot be checked", Paint::red, style) + '\n';
+  if (worse > 0)
+    out += painted(counted(worse, "figure") + " worse than in the baseline", Paint::red, style) + '\n';
+  if (count == 0) return out;
+  const std::string all = counted(count, "requirement");
+  const std::string unchecked =
+      report.broken.empty()
+          ? ""
+          : painted(counted(report.broken.size(), "spec") + " not checked", Paint::red, style) + '\n';
+  return out + unchecked +
+         (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)
+                 : painted(all + " met", Paint::green, style)) +
+         '\n';
 }
 
 }  // namespace qerr

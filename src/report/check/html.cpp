@@ -10,7 +10,6 @@
 #include "report/formats.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 /// The page of `qerr check`, of one spec or of a fleet.
@@ -67,7 +66,7 @@ std::string answer_of(const CheckReport& report) {
 }
 
 std::string baseline_of_page(const BaselineCheck& b) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (const FigureChange& f : b.worst_by_quantity())
     rows.push_back(
         {f.figure.name(), readable(*f.a, f.figure.unit), readable(*f.b, f.figure.unit), change_text(f)});
@@ -93,7 +92,7 @@ std::string fleet_table(const CheckReport& report) {
   if (std::none_of(report.specs.begin(), report.specs.end(),
                    [](const SpecCheck& check) { return check.baseline.has_value(); }))
     heads.pop_back();
-  std::vector<std::vector<std::string>> cells;
+  TableRows cells;
   for (auto& [order, row] : rows) {
     row.resize(heads.size());
     cells.push_back(std::move(row));
@@ -105,12 +104,13 @@ std::string fleet_table(const CheckReport& report) {
 std::string fleet_block(const CheckReport& report) {
   std::string set;
   if (!report.specs.empty())
-    for (const auto& [key, value] : report.specs.front().analysis.spec.overrides)
-      set += (set.empty() ? "" : ", ") + key + '=' + value;
-  return "<div class=\"head\"><dl class=\"about\"><dt>Specs</dt><dd>" +
-         std::to_string(report.specs.size() + report.broken.size()) + "</dd><dt>Changed by --set</dt><dd>" +
-         page::escaped_markup(set.empty() ? "nothing" : escaped(set, 300)) +
-         "</dd><dt>Computed by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
+    set = joined(report.specs.front().analysis.spec.overrides, ", ",
+                 [](const auto& o) { return o.first + '=' + o.second; });
+  return page::title_list(
+             {{"Specs", std::to_string(report.specs.size() + report.broken.size())},
+              {"Changed by --set", page::escaped_markup(set.empty() ? "nothing" : escaped(set, 300))},
+              {"Computed by", "qerr " + std::string(version())}}) +
+         "</div>\n";
 }
 
 /// Each warning once, with the specs that it concerns.
@@ -120,20 +120,12 @@ std::vector<std::string> shared_warnings(const CheckReport& report) {
     for (const std::string& warning : check.analysis.warnings) {
       auto at = std::find_if(all.begin(), all.end(), [&](const auto& w) { return w.first == warning; });
       if (at == all.end()) at = all.insert(at, {warning, {}});
-      const std::string& file = check.analysis.spec.file;
-      if (std::find(at->second.begin(), at->second.end(), file) == at->second.end())
-        at->second.push_back(file);
+      add_once(at->second, check.analysis.spec.file);
     }
   std::vector<std::string> texts;
-  for (const auto& [warning, files] : all) {
-    std::string of;
-    if (files.size() > 1 && files.size() == report.specs.size()) {
-      texts.push_back("all specs: " + warning);
-      continue;
-    }
-    for (const std::string& file : files) of += (of.empty() ? "" : ", ") + file;
-    texts.push_back(of + ": " + warning);
-  }
+  for (const auto& [warning, files] : all)
+    texts.push_back((files.size() > 1 && files.size() == report.specs.size() ? "all specs" : joined(files)) +
+                    ": " + warning);
   return texts;
 }
 

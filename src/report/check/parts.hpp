@@ -11,9 +11,6 @@ namespace qerr {
 /// The verdicts as a table in Markdown, for the summary of a job.
 std::string to_markdown(const CheckReport&, const Style&);
 
-/// A configuration: `j1 0.12 rad, j2 -1.5 rad`.
-std::string largest_place(const Analysis&, const Eigen::VectorXd& q);
-
 /// `3 of 120 figures worse than in old.json by more than 2 %`, or `none of ...`.
 std::string verdict(const BaselineCheck&);
 

@@ -4,11 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/compare/parts.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 
@@ -24,6 +29,11 @@ double relative_change(double a, double b) {
 
 namespace {
 
+Error report_error(const std::string& file, const std::string& key, const std::string& rule,
+                   const std::string& found, const std::string& remedy) {
+  return Error(Fault{{file}, key, rule, found, remedy});
+}
+
 /// Reports of analyze and of check have the same figures, those of filter others; a spec has all.
 bool comparable(const NamedFigures& a, const NamedFigures& b) {
   const auto all = [](const NamedFigures& f) { return f.command == "spec"; };
@@ -32,21 +42,17 @@ bool comparable(const NamedFigures& a, const NamedFigures& b) {
 
 void require_comparable(const NamedFigures& a, const NamedFigures& b) {
   if (!comparable(a, b))
-    throw Error(Fault{{b.file},
-                      "command",
-                      "both reports must be of one command",
-                      quoted(b.command) + ", and " + quoted(a.command) + " in " + a.file,
-                      "compare the specs, or reports of one command"});
+    throw report_error(b.file, "command", "both reports must be of one command",
+                       quoted(b.command) + ", and " + quoted(a.command) + " in " + a.file,
+                       "compare the specs, or reports of one command");
 }
 
 void require_one_unit(const NamedFigure& a, const NamedFigure& b, const NamedFigures& in_a,
                       const NamedFigures& in_b) {
   if (a.unit == b.unit) return;
-  throw Error(Fault{{in_b.file},
-                    b.quantity,
-                    "a figure must have one unit",
-                    quoted(b.unit) + ", and " + quoted(a.unit) + " in " + in_a.file,
-                    "do both estimate the same derivative? Give different filters different names"});
+  throw report_error(in_b.file, b.quantity, "a figure must have one unit",
+                     quoted(b.unit) + ", and " + quoted(a.unit) + " in " + in_a.file,
+                     "do both estimate the same derivative? Give different filters different names");
 }
 
 /// Of each unit the size below which a figure is the rounding of a zero: a coordinate that no encoder moves
@@ -179,6 +185,174 @@ ReportComparison compare(NamedFigures a, NamedFigures b) {
   c.a = std::move(a);
   c.b = std::move(b);
   return c;
+}
+
+namespace {
+
+bool has_limit(const NamedFigures& report, const NamedFigure& f, bool at_least) {
+  return std::any_of(report.requirements.begin(), report.requirements.end(), [&](const JudgedRequirement& r) {
+    return r.figure.quantity == f.quantity && r.figure.statistic == f.statistic && r.at_least == at_least;
+  });
+}
+
+/// A figure is worse if it is larger, or smaller where a larger one is better; one that is required to be
+/// large, if it is smaller; one with limits on both sides in either case.
+bool is_worse(const FigureChange& c, double tolerance, const NamedFigures& old, const NamedFigures& now) {
+  const auto limited = [&](bool at_least) {
+    return has_limit(old, c.figure, at_least) || has_limit(now, c.figure, at_least);
+  };
+  if (c.figure.larger_is_better && !limited(false)) return c.relative < -tolerance;
+  if (c.relative > tolerance) return limited(false) || !limited(true);
+  return c.relative < -tolerance && limited(true);
+}
+
+}  // namespace
+
+Baselines read_baselines(const std::string& text, const std::string& file, double tolerance) {
+  Baselines baselines;
+  for (NamedFigures& figures : read_all_named_figures(text, file)) {
+    if (figures.command == "filter")
+      throw report_error(file, "command", "a baseline must be a report of check or analyze",
+                         quoted(figures.command),
+                         "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json");
+    baselines.push_back({std::move(figures), tolerance});
+  }
+  return baselines;
+}
+
+const Baseline& baseline_of(const Baselines& baselines, const std::string& spec, bool alone) {
+  if (baselines.size() == 1 && alone) return baselines.front();
+  // A spec may have moved with its folder: its name then identifies it, where only one has it.
+  const auto name = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
+  const Baseline* found = nullptr;
+  std::size_t named = 0;
+  for (const Baseline& b : baselines) {
+    if (b.figures.spec == spec) return b;
+    if (name(b.figures.spec) != name(spec)) continue;
+    found = &b;
+    ++named;
+  }
+  if (found && named == 1) return *found;
+  std::string specs;
+  for (const Baseline& b : baselines) specs += (specs.empty() ? "" : ", ") + quoted(b.figures.spec);
+  throw Error(Fault{{baselines.empty() ? "" : baselines.front().figures.file},
+                    "reports",
+                    "the baseline has no report of " + quoted(spec),
+                    specs.empty() ? "no report" : "reports of " + specs,
+                    "write it anew with all specs: qerr check SPEC... --format json -o OLD.json"});
+}
+
+BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
+  const NamedFigures& old = baseline.figures;
+  if (old.robot != now.robot && !old.robot.empty() && !now.robot.empty())
+    throw report_error(
+        old.file, "robot", "the baseline is that of another robot or chain than " + quoted(now.file),
+        quoted(old.robot) + ", here " + quoted(now.robot), "write it anew: qerr check SPEC -o OLD.json");
+  BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, {}, comparison_warnings(old, now)};
+  for (const FigureChange& c : figure_changes(old, now)) {
+    check.compared += c.in_both();
+    if (!c.b) check.missing.push_back(c.figure);
+    if (c.in_both() && is_worse(c, baseline.tolerance, old, now)) check.regressions.push_back(c);
+  }
+  if (check.compared == 0)
+    throw report_error(old.file, "", "the baseline has none of the figures of " + quoted(now.file),
+                       check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
+                       "write it anew with the same coordinates and filters: qerr analyze SPEC -o OLD.json");
+  for (const JudgedRequirement& r : old.requirements)
+    if (std::none_of(now.requirements.begin(), now.requirements.end(),
+                     [&](const JudgedRequirement& other) { return same_limit(r, other); }))
+      check.dropped_requirements.push_back(r);
+  for (const JudgedRequirement& r : now.requirements)
+    if (!find_figure(old, r.figure) &&
+        std::none_of(old.requirements.begin(), old.requirements.end(),
+                     [&](const JudgedRequirement& other) { return other.figure.name() == r.figure.name(); }))
+      check.not_in_baseline.push_back(r.figure);
+  return check;
+}
+
+std::vector<FigureChange> BaselineCheck::worst_by_quantity() const {
+  std::set<std::string> with_main, seen;
+  for (const FigureChange& c : regressions)
+    if (is_main(c.figure)) with_main.insert(c.figure.quantity);
+  std::vector<FigureChange> worst;
+  for (const FigureChange& c : regressions)
+    if ((is_main(c.figure) || !with_main.contains(c.figure.quantity)) &&
+        seen.insert(c.figure.quantity).second)
+      worst.push_back(c);
+  return worst;
+}
+
+/// Of a requirement A and B are whether it is met, and the change is `flipped` or empty.
+std::string to_csv(const ReportComparison& c, const Style&) {
+  std::string out = "section,name,statistic,unit,a,b,change\r\n";
+  for (const RequirementChange& r : c.requirements)
+    out += "requirement," + csv_cells(json_of(r), {"quantity", "statistic", "unit", "a.met", "b.met"}) +
+           (r.flipped() ? ",flipped" : ",") + "\r\n";
+  for (const FigureChange& f : c.figures)
+    out += "figure," + csv_cells(json_of(f), {"figure", "statistic", "unit", "a", "b", "change"}) + "\r\n";
+  for (const ShareChange& s : c.shares) {
+    const Json share = json_of(s);
+    out +=
+        "share," + csv_cells(share, {"encoder"}) + ",,1," + csv_cells(share, {"a", "b", "change"}) + "\r\n";
+  }
+  return out;
+}
+
+RowsOf<NamedFigures> rows(Of<NamedFigures>) {
+  return {{"file", &NamedFigures::file},
+          {"command", &NamedFigures::command, one_of({"analyze", "check", "filter", "spec"}),
+           "that wrote the report; spec: its figures are those of now"}};
+}
+
+RowsOf<JudgedRequirement> rows(Of<JudgedRequirement>) {
+  return {{"at_most", [](auto& r) { return only_if(!r.at_least, r.limit); }, optional},
+          {"at_least", [](auto& r) { return only_if(r.at_least, r.limit); }, optional},
+          {"value", [](auto& r) { return r.figure.value; }, "null: unbounded", nullable},
+          {"met", &JudgedRequirement::met},
+          {"margin", [](auto& r) { return margin(r); }, "distance from the limit over the limit", nullable}};
+}
+
+RowsOf<FigureChange> rows(Of<FigureChange>) {
+  return {{"figure", [](auto& f) { return f.figure.quantity; }, "the name that requirements use"},
+          {"statistic", [](auto& f) { return f.figure.statistic; }, "empty: a figure of a filter"},
+          {"unit", [](auto& f) { return f.figure.unit; }},
+          {"a", &FigureChange::a, "null: unbounded, or only B has it"},
+          {"b", &FigureChange::b, "null: unbounded, or only A has it"},
+          {"change", &FigureChange::relative,
+           "(b - a)/|a|; null: from zero, to unbounded, or one report only", nullable},
+          {"only", [](auto& f) { return f.in_both() ? ""
+                                        : f.a       ? "a"
+                                                    : "b"; }, one_of({"a", "b"}),
+           "the report that has the figure, if one has it", optional}};
+}
+
+RowsOf<ShareChange> rows(Of<ShareChange>) {
+  return {
+      {"encoder", &ShareChange::encoder},
+      {"a", &ShareChange::a},
+      {"b", &ShareChange::b},
+      {"change", [](auto& s) { return s.a && s.b ? std::optional(*s.b - *s.a) : std::nullopt; }, "b - a"}};
+}
+
+RowsOf<RequirementChange> rows(Of<RequirementChange>) {
+  return {{"quantity", [](auto& r) { return r.any().figure.quantity; }},
+          {"statistic", [](auto& r) { return r.any().figure.statistic; }, "empty: a figure of a filter"},
+          {"unit", [](auto& r) { return r.any().figure.unit; }},
+          {"a", &RequirementChange::a, "null: only B has it"},
+          {"b", &RequirementChange::b, "null: only A has it"},
+          {"flipped", &RequirementChange::flipped},
+          {"flips_after", &RequirementChange::flips_after, "part of the way from A to B"}};
+}
+
+RowsOf<ReportComparison> rows(Of<ReportComparison>) {
+  return header<ReportComparison>("compare").with(
+      {{"a", &ReportComparison::a},
+       {"b", &ReportComparison::b},
+       {"figures", &ReportComparison::figures, "the largest changes first"},
+       {"shares", &ReportComparison::shares, "of each encoder in the variance of the tip"},
+       {"requirements", &ReportComparison::requirements,
+        "flipped ones first, in their order; then the smallest margins in B"},
+       {"warnings", &ReportComparison::warnings}});
 }
 
 }  // namespace qerr

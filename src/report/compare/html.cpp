@@ -8,7 +8,6 @@
 #include "report/formats.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -18,10 +17,8 @@ namespace {
 constexpr std::size_t most_compared_rows = 400;
 
 std::string side_text(const NamedFigures& f) {
-  std::string text = page::isolated(f.file);
-  for (std::size_t i = 0; i < f.changes.size(); ++i)
-    text += (i ? ", " : " with ") + page::isolated(f.changes[i]);
-  return text;
+  return page::isolated(f.file) +
+         (f.changes.empty() ? "" : " with " + joined(f.changes, ", ", page::isolated));
 }
 
 /// Title block of both sides.
@@ -31,10 +28,12 @@ std::string sides(const ReportComparison& c) {
     const std::string hash = f.sha256.empty() ? "" : "SHA-256 " + f.sha256.substr(0, 12);
     for (const std::string& more : {hash, f.robot, f.sample})
       if (!more.empty()) text += "<br/>" + page::name_markup(more);
-    return "<dt>" + name + "</dt><dd>" + text + "</dd>";
+    return std::pair(name, text);
   };
-  return "<div class=\"head\"><dl class=\"about\">" + side("A (before)", c.a) + side("B (after)", c.b) +
-         "<dt>Compared by</dt><dd>qerr " + std::string(version()) + "</dd></dl></div>\n";
+  return page::title_list({side("A (before)", c.a),
+                           side("B (after)", c.b),
+                           {"Compared by", "qerr " + std::string(version())}}) +
+         "</div>\n";
 }
 
 /// Bars start at zero: what is unbounded or negative has none.
@@ -105,16 +104,12 @@ std::string share_section(const ReportComparison& c) {
 
 /// Figures of one report only, by quantity.
 std::string single_figures(const ReportComparison& c, bool in_a) {
-  std::vector<std::string> names;
-  for (const FigureChange& f : c.figures)
-    if (!f.in_both() && f.a.has_value() == in_a &&
-        std::find(names.begin(), names.end(), f.figure.quantity) == names.end())
-      names.push_back(f.figure.quantity);
+  std::vector<std::string> names = names_in_one(c, in_a, true);
   if (names.empty()) return "";
-  std::string out = std::string("<p>Only in ") + (in_a ? "A" : "B") + ": ";
-  for (std::size_t i = 0; i < std::min(names.size(), most_compared_rows); ++i)
-    out += (i ? ", " : "") + page::name_markup(names[i]);
-  return out + (names.size() > most_compared_rows ? ", \u2026" : "") + "</p>";
+  const bool all = names.size() <= most_compared_rows;
+  if (!all) names.resize(most_compared_rows);
+  return std::string("<p>Only in ") + (in_a ? "A" : "B") + ": " + joined(names, ", ", page::name_markup) +
+         (all ? "" : ", \u2026") + "</p>";
 }
 
 /// Names of those that flip; "" of none.

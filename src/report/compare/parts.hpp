@@ -27,6 +27,9 @@ std::string change_text(const FigureChange&);
 /// `details` only the maximum of a quantity in place of its other statistics.
 std::vector<FigureChange> notable_figures(const ReportComparison&);
 
+/// Figures that only A, or only B, has: their names, or their quantities.
+std::vector<std::string> names_in_one(const ReportComparison&, bool in_a, bool quantities);
+
 /// What has flipped, and how many figures grew and shrank.
 std::string comparison_sentence(const ReportComparison&);
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "qerr/report/comparison.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
@@ -57,10 +57,18 @@ std::vector<FigureChange> notable_figures(const ReportComparison& c) {
   return notable;
 }
 
+std::vector<std::string> names_in_one(const ReportComparison& c, bool in_a, bool quantities) {
+  std::vector<std::string> names;
+  for (const FigureChange& f : c.figures)
+    if (!f.in_both() && f.a.has_value() == in_a)
+      add_once(names, quantities ? f.figure.quantity : f.figure.name());
+  return names;
+}
+
 std::string judged_text(const std::optional<JudgedRequirement>& r) {
   if (!r) return "no such requirement";
-  const char* const relation = r->at_least ? (r->met ? " >= " : " < ") : (r->met ? " <= " : " > ");
-  return readable(r->figure.value, r->figure.unit) + relation + readable(r->limit, r->figure.unit);
+  return readable(r->figure.value, r->figure.unit) + ' ' + relation(r->at_least, r->met) + ' ' +
+         readable(r->limit, r->figure.unit);
 }
 
 std::string flip_text(const RequirementChange& r) {
@@ -153,51 +161,44 @@ std::string figures_section(const ReportComparison& c, const Style& style) {
   const std::vector<FigureChange> notable = notable_figures(c);
   if (notable.empty()) return "";
   const std::size_t rows = c.details ? notable.size() : std::min(told_at_most, notable.size());
-  std::vector<std::vector<std::string>> cells{{"figure", "A", "B", "change"}};
+  TableRows cells{{"figure", "A", "B", "change"}};
   for (std::size_t i = 0; i < rows; ++i) {
     const FigureChange& f = notable[i];
     cells.push_back({shown(f.figure.name()), shown_value(f.a, f.figure.unit), shown_value(f.b, f.figure.unit),
                      change_text(f)});
   }
-  std::string out = heading("Figures, the largest changes first", style) + fitted_table(cells, style.width);
+  std::string out = table_section("Figures, the largest changes first", cells, style);
   if (rows < notable.size()) out += "  and " + std::to_string(notable.size() - rows) + " more: --details\n";
   return out;
 }
 
 std::string shares_section(const ReportComparison& c, const Style& style) {
   const auto printed = [](const std::optional<double>& s) { return s ? percent(*s) : "-"; };
-  std::vector<std::vector<std::string>> cells{{"encoder", "A", "B", "points"}};
+  TableRows cells{{"encoder", "A", "B", "points"}};
   for (const ShareChange& s : c.shares)
     if (c.details || printed(s.a) != printed(s.b)) {
       const double points = 100 * (s.b.value_or(0) - s.a.value_or(0));
       cells.push_back(
           {shown(s.encoder), printed(s.a), printed(s.b), (points > 0 ? "+" : "") + fixed_point(points, 1)});
     }
-  if (cells.size() == 1) return "";
-  return heading("Shares of the tip's variance", style) + fitted_table(cells, style.width);
+  return table_section("Shares of the tip's variance", cells, style);
 }
 
 /// Figures of one report only, by quantity.
 std::string only_in(const ReportComparison& c, bool a, const Style& style) {
-  std::vector<std::string> names;
-  for (const FigureChange& f : c.figures) {
-    if (f.in_both() || f.a.has_value() != a) continue;
-    const std::string name = shown(c.details ? f.figure.name() : f.figure.quantity);
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  }
+  const std::vector<std::string> names = names_in_one(c, a, !c.details);
   if (names.empty()) return "";
   std::string out = heading(std::string("Only in ") + (a ? "A" : "B"), style);
   const std::size_t rows = c.details ? names.size() : std::min(named_at_most, names.size());
-  for (std::size_t i = 0; i < rows; ++i) out += "  " + names[i] + '\n';
+  for (std::size_t i = 0; i < rows; ++i) out += "  " + shown(names[i]) + '\n';
   if (rows < names.size()) out += "  and " + std::to_string(names.size() - rows) + " more: --details\n";
   return out;
 }
 
 /// `B: arm.yaml with encoders.a2.bits=19`.
 std::string side_line(const char* side, const NamedFigures& f, const Style& style) {
-  std::string text = escaped(f.file, 200);
-  for (std::size_t i = 0; i < f.changes.size(); ++i)
-    text += (i ? ", " : " with ") + escaped(f.changes[i], 200);
+  const auto name = [](const std::string& text) { return escaped(text, 200); };
+  const std::string text = name(f.file) + (f.changes.empty() ? "" : " with " + joined(f.changes, ", ", name));
   return wrapped(text, style.width, "   ", side, LongWords::cut);
 }
 

@@ -7,7 +7,7 @@
 #include "input/changed_spec.hpp"
 #include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/slow_errors.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/design/design_solver.hpp"
 #include "report/design/filter_sets.hpp"
 #include "report/text_table.hpp"
@@ -57,7 +57,7 @@ class DesignJob {
     begin();
     report_.obstacles = problem_->obstacles();
     if (!solver_ || solver_->sets().empty()) {
-      for (const std::string& text : filter_obstacles_) report_.obstacles.push_back(text);
+      append(report_.obstacles, filter_obstacles_);
       return std::move(report_);
     }
     DesignQuery query;
@@ -147,9 +147,8 @@ class DesignJob {
       for (const FilterOptions& f : request_.filters)
         if (r.limits_error() && r.bound == Bound::sigma_in_motion &&
             static_cast<std::size_t>(r.filter) == f.filter)
-          throw Error(Fault{r.place, "requirements",
-                            "sigma_in_motion behind a filter that is itself chosen is not supported",
-                            quoted(r.name()), "require sigma, or choose the filter first"});
+          throw requirement_error(r, "sigma_in_motion behind a filter that is itself chosen is not supported",
+                                  "require sigma, or choose the filter first", r.name());
   }
 
   std::vector<DesignedEncoder> encoders_of(const OptionChoice& choice) const {
@@ -477,18 +476,13 @@ class DesignJob {
 
 DesignReport design(const SpecVariants& variants, const DesignOptions& options) {
   if (!variants.base().design)
-    throw Error(Fault{{variants.base().file, 1, 1},
-                      "design",
-                      "the spec has no section of this name: nothing is to be chosen",
-                      "",
-                      "add design: {encoders: {'*': {bits: 12..23}}} (`qerr help choice`)"});
+    throw spec_error(variants.base(), "design",
+                     "the spec has no section of this name: nothing is to be chosen", "",
+                     "add design: {encoders: {'*': {bits: 12..23}}} (`qerr help choice`)");
   const DesignRequest& request = *variants.base().design;
   if (variants.base().requirements.empty() && request.minimize != DesignRequest::Minimize::figure)
-    throw Error(Fault{{variants.base().file, 1, 1},
-                      "requirements",
-                      "the spec has none: the coarsest encoders would do",
-                      "",
-                      "add limits, as for `qerr check`"});
+    throw spec_error(variants.base(), "requirements", "the spec has none: the coarsest encoders would do", "",
+                     "add limits, as for `qerr check`");
   return DesignJob(variants, options).report();
 }
 

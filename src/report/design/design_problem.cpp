@@ -8,7 +8,6 @@
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
 #include "input/read_sections.hpp"
-#include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 
@@ -71,9 +70,8 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
     any_proven_ = any_proven_ || r.statistic == "proven_max";
     needs_rigorous_ = needs_rigorous_ || r.bound == Bound::worst_case_rigorous;
     if (r.at_least)
-      throw Error(Fault{r.place, "requirements",
-                        "at_least of an error is no limit of a design: finer encoders only lower it",
-                        quoted(r.name()), "write at_most, or leave it to `qerr check`"});
+      throw requirement_error(r, "at_least of an error is no limit of a design: finer encoders only lower it",
+                              "write at_most, or leave it to `qerr check`", r.name());
   }
   refuse_unreached(analysis_of_some(base_, workspace_.threads));  // whatever the encoders
   workspace_.brief = !needs_rigorous_;
@@ -236,11 +234,9 @@ void DesignProblem::make_columns() {
   const double numbers = count * 3 * static_cast<double>(base_.model.coordinates.size()) *
                          static_cast<double>(options_.size() + sources_.size());
   if (numbers > most_numbers)
-    throw Error(Fault{{base_.file, 1, 1},
-                      "configurations.count",
-                      "a choice of encoders keeps the Jacobians of all configurations in memory",
-                      significant(8e-9 * numbers, 3) + " GB",
-                      "choose fewer, such as 100000"});
+    throw spec_error(base_, "configurations.count",
+                     "a choice of encoders keeps the Jacobians of all configurations in memory",
+                     significant(8e-9 * numbers, 3) + " GB", "choose fewer, such as 100000");
   columns_ = std::make_unique<ErrorColumns>(base_.model, sources_, base_.configurations, workspace_.threads);
   sums_ = std::make_unique<FigureSums>(base_, *columns_);
 }
@@ -310,12 +306,10 @@ ControlSums* DesignProblem::control_sums(const FilterSet& set) {
   kept_numbers_ +=
       static_cast<double>(figures) * static_cast<double>(columns_->configurations() * options_.size());
   if (kept_numbers_ > most_numbers)
-    throw Error(
-        Fault{{base_.file, 1, 1},
-              "configurations.count",
-              "a choice for loops keeps norms at all configurations in memory, for each set of filters",
-              "more than 4 GB",
-              "choose fewer configurations, such as 1000, or fewer filters"});
+    throw spec_error(
+        base_, "configurations.count",
+        "a choice for loops keeps norms at all configurations in memory, for each set of filters",
+        "more than 4 GB", "choose fewer configurations, such as 1000, or fewer filters");
   std::vector<std::vector<double>> resolutions;
   for (std::size_t j = 0; j < options_.size(); ++j) {
     auto& of_joint = resolutions.emplace_back();

@@ -7,7 +7,7 @@
 #include "input/spec_variants.hpp"
 #include "qerr/report/design_report.hpp"
 #include "report/analysis/count_rates.hpp"
-#include "report/design/control_sums.hpp"
+#include "report/design/figure_sums.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "control/figures.hpp"
+#include "control/loop_response.hpp"
+#include "control/walls.hpp"
 #include "core/text.hpp"
+#include "qerr/kinematics/configurations.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
 
@@ -113,28 +118,26 @@ void find_owners(OptionWeights& weights, const Spec& spec) {
       for (std::size_t k = 0; k < columns; ++k) {
         if (!vary(w, weights.stated, static_cast<Eigen::Index>(k))) continue;
         if (owned[k] && weights.owners[k] != j)
-          throw Error(Fault{{spec.file, 1, 1},
-                            "effects",
-                            "the options of joint " + name + " change the errors of another one",
-                            "",
-                            "choose no encoder for one of them"});
+          throw spec_error(spec, "effects",
+                           "the options of joint " + name + " change the errors of another one", "",
+                           "choose no encoder for one of them");
         owned[k] = true;
         weights.owners[k] = j;
       }
     }
 }
 
-const double* FigureSums::part(std::size_t coordinate, std::size_t column, Part kind) {
+const double* FigureSums::part(std::size_t coordinate, std::size_t column, ColumnPart kind) {
   const double* const from = columns_.column(coordinate, column);
   AlignedNumbers& to = parts_[{coordinate, column, kind}];
   if (to.size() > 0) return to.data();
   to = AlignedNumbers(columns_.configurations());
   for (std::size_t i = 0; i < to.size(); ++i) {
     const double a = std::clamp(from[i], -beyond_all, beyond_all);
-    to[i] = kind == Part::magnitude  ? std::abs(a)
-            : kind == Part::positive ? std::max(a, 0.0)
-            : kind == Part::negative ? std::max(-a, 0.0)
-                                     : std::min(a * a, beyond_all);
+    to[i] = kind == ColumnPart::magnitude  ? std::abs(a)
+            : kind == ColumnPart::positive ? std::max(a, 0.0)
+            : kind == ColumnPart::negative ? std::max(-a, 0.0)
+                                           : std::min(a * a, beyond_all);
   }
   return to.data();
 }
@@ -161,7 +164,7 @@ const double* FigureSums::squares_of_length(const Requirement& r, std::size_t co
   if (to.size() > 0) return to.data();
   AlignedNumbers sum(columns_.configurations());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double* const squares = part(component(r, axis), column, Part::square);
+    const double* const squares = part(component(r, axis), column, ColumnPart::square);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += squares[i];
   }
   return (squares_of_lengths_[{r.signal, column}] = std::move(sum)).data();
@@ -180,19 +183,19 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
   for (const auto& of_joint : weights.options)
     for (const ErrorWeights& w : of_joint) any_unknown = any_unknown || (r.filter >= 0 && unknown(w));
   if (any_unknown)
-    throw Error(Fault{r.place, "requirements",
-                      "sigma behind a filter is not known: what an effect, or an error within an encoder's "
-                      "accuracy, adds to it depends on the motion",
-                      quoted(r.quantity),
-                      "add `motion:`, or velocity to the <limit> of the joints in the URDF; or require the "
-                      "worst case or sigma_quantization"});
+    throw requirement_error(
+        r,
+        "sigma behind a filter is not known: what an effect, or an error within an encoder's "
+        "accuracy, adds to it depends on the motion",
+        "add `motion:`, or velocity to the <limit> of the joints in the URDF; or require the "
+        "worst case or sigma_quantization");
   const Eigen::VectorXd& added =
       r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
   WeightedSum sum;
   for (std::size_t axis = 0; axis < (length ? 3 : 1) && !alone && !weights.along_motion; ++axis)
     sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : row_of(r))];
   for (std::size_t k = 0; k < columns_.columns(); ++k)
-    add_column(sum, k, length ? squares_of_length(r, k) : part(row_of(r), k, Part::square), weights,
+    add_column(sum, k, length ? squares_of_length(r, k) : part(row_of(r), k, ColumnPart::square), weights,
                [&](const ErrorWeights& w, Eigen::Index column) {
                  return r.filter < 0 ? w.variance[column]
                         : alone      ? w.filtered[f].variance_of_quantization[column]
@@ -211,7 +214,7 @@ std::vector<WeightedSum> FigureSums::worst_sums(const Requirement& r, const Opti
   std::vector<WeightedSum> sums(weights.biased ? 2 : 1);
   for (std::size_t s = 0; s < sums.size(); ++s) {
     sums[s].added = weights.along_motion ? 0 : added[static_cast<Eigen::Index>(coordinate)];
-    const auto add = [&](std::size_t k, Part kind, double sign) {
+    const auto add = [&](std::size_t k, ColumnPart kind, double sign) {
       add_column(
           sums[s], k, part(coordinate, k, kind), weights,
           [&](const ErrorWeights& w, Eigen::Index column) { return worst_weight(r, w, column, sign); });
@@ -219,10 +222,10 @@ std::vector<WeightedSum> FigureSums::worst_sums(const Requirement& r, const Opti
     for (std::size_t k = 0; k < columns_.columns(); ++k) {
       const double sign = s == 0 ? 1 : -1;
       if (is_symmetric(weights, k)) {
-        add(k, Part::magnitude, 0);
+        add(k, ColumnPart::magnitude, 0);
       } else {
-        add(k, Part::positive, sign);
-        add(k, Part::negative, -sign);
+        add(k, ColumnPart::positive, sign);
+        add(k, ColumnPart::negative, -sign);
       }
     }
   }
@@ -301,6 +304,153 @@ ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weigh
   figure.sums = length_sums(r, weights, reference);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (WeightedSum& sum : worst_sums(r, weights, component(r, axis))) figure.sums.push_back(std::move(sum));
+  return figure;
+}
+
+namespace {
+
+constexpr double never = 1e300;  ///< an unstable loop: beyond every limit, and times 0 it is 0
+
+ControlFigure figure_of(const Requirement& r, const Spec& spec) {
+  for (ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
+    if (f.name == r.quantity) return f;
+  throw std::logic_error("no figure " + r.quantity);
+}
+
+}  // namespace
+
+double ratio_limit(const Requirement& r, double limit) {
+  if (std::isinf(limit)) return limit;
+  return r.at_least ? r.limit / limit : limit / r.limit;
+}
+
+void require_limit_of_control(const Requirement& r, const Spec& spec) {
+  using Kind = ControlFigure::Kind;
+  const Kind kind = figure_of(r, spec).kind;
+  if (kind == Kind::largest_kd)
+    throw requirement_error(r, "the largest kd is no figure to choose encoders by",
+                            "require the joint's torque itself, or vary kd in design.gains", r.name());
+  const bool one_way = kind == Kind::wall_stiffness || kind == Kind::limit_cycle;
+  if (one_way && r.at_least != (kind == Kind::wall_stiffness))
+    throw requirement_error(r, "is no limit of a design: finer encoders only move away from it",
+                            "write " + std::string(r.at_least ? "at_most" : "at_least"), r.name());
+  if (!(r.limit > 0))
+    throw requirement_error(r, "the limit of a loop or a wall must be above 0 in a design",
+                            "leave it to `qerr check`", r.name());
+}
+
+ControlSums::ControlSums(const Spec& spec, std::size_t configurations,
+                         std::vector<std::vector<double>> resolutions)
+    : spec_(spec), configurations_(configurations), widths_(std::move(resolutions)) {
+  for (std::size_t j = 0; spec_.model.control && j < widths_.size(); ++j)
+    for (double& width : widths_[j]) width = 2 * spec_.model.control->joints[j].reading.half_width(width);
+  drawn_ = draw(spec_.configurations, 0, configurations_);
+  if (any_of_control(spec_)) report_ = control_report(spec_, true);
+}
+
+double* ControlSums::new_column() { return columns_.emplace_back(AlignedNumbers(configurations_)).data(); }
+
+ChoiceFigure ControlSums::figure(const Requirement& r, const OptionWeights& weights) {
+  if (!r.of_control) return closed(r, weights);
+  const ControlFigure f = figure_of(r, spec_);
+  if (f.kind == ControlFigure::Kind::wall_stiffness) return wall(r, f.index);
+  for (const WorstLoop& loop : report_->loops)
+    if (loop.joint == f.index && loop.stable && f.kind == ControlFigure::Kind::limit_cycle)
+      return limit_cycle(r, loop);
+  const double value = control_value(r, spec_, *report_),
+               ratio = r.at_least ? r.limit / value : value / r.limit;
+  ChoiceFigure figure;
+  figure.sums = {{{},
+                  std::isfinite(ratio) && value > 0 ? ratio
+                  : r.at_least && std::isinf(value) ? 0
+                                                    : never}};
+  return figure;
+}
+
+/// The norms at each configuration, where only symmetric errors of the counts are in the figure.
+ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weights) {
+  const bool worst = r.bound == Bound::worst_case;
+  const auto errors = static_cast<Eigen::Index>(spec_.model.transmission.encoders.size());
+  if (weights.biased || weights.along_motion || weights.stated.mean.size() != errors ||
+      spec_.model.along_motion || (!worst && r.bound != Bound::sigma))
+    return {};
+  // Of an accuracy the whole passes by ||G||_1 in sigma, too.
+  for (const auto& of_joint : weights.options)
+    for (const ErrorWeights& w : of_joint)
+      if (!(w.variance * 3).isApprox(w.half_width.cwiseAbs2(), 1e-9)) return {};
+  const Signal signal = all_signals(spec_.model)[r.signal];
+  const Eigen::MatrixXd moved = spec_.model.transmission.coupling.dense();
+  std::vector<double*> columns;
+  for (Eigen::Index e = 0; e < errors; ++e) columns.push_back(new_column());
+  LoopsOfBatch batch(spec_.model.control, spec_.model.chain);
+  constexpr auto in_a_batch = static_cast<Eigen::Index>(batch_size);
+  for (std::size_t i = 0; i < configurations_; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (at % in_a_batch == 0) batch.move_to(drawn_.middleCols(at, std::min(in_a_batch, drawn_.cols() - at)));
+    const SignalNorms n =
+        signal.kind->norms(spec_.model, signal.index, drawn_.col(at), moved, {&batch, at % in_a_batch});
+    for (Eigen::Index e = 0; e < errors; ++e) {
+      const double norm = worst ? n.l1[e] : n.h2[e] * n.h2[e];
+      columns[static_cast<std::size_t>(e)][i] = std::isfinite(norm) ? norm : never;
+    }
+  }
+  ChoiceFigure figure;
+  figure.over = r.value == &Statistic::min    ? ChoiceFigure::Over::least
+                : r.value == &Statistic::mean ? ChoiceFigure::Over::mean
+                                              : ChoiceFigure::Over::largest;
+  if (figure.over == ChoiceFigure::Over::largest && r.value != &Statistic::max) return {};
+  figure.root = !worst;
+  WeightedSum sum;
+  for (std::size_t e = 0; e < columns.size(); ++e) {
+    WeightedColumn column{weights.owners[e], columns[e], {}};
+    for (const ErrorWeights& w : weights.options[column.joint])
+      column.weights.push_back((worst ? w.half_width : w.variance)[static_cast<Eigen::Index>(e)]);
+    sum.columns.push_back(std::move(column));
+  }
+  figure.sums = {std::move(sum)};
+  return figure;
+}
+
+ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
+  const Control& control = *spec_.model.control;
+  control_value(r, spec_, *report_);  // says what is missing, and refuses a wall that no joint feels
+  const Eigen::MatrixXd coupling = spec_.model.transmission.coupling.dense();
+  const auto count = static_cast<std::size_t>(coupling.cols());
+  std::vector<double*> columns;
+  for (std::size_t e = 0; e < count; ++e) columns.push_back(new_column());
+  for (std::size_t i = 0; i < std::min(configurations_, configurations_of_control); ++i) {
+    const Eigen::VectorXd g =
+        felt_by(spec_.model.chain, control.walls[index], drawn_.col(static_cast<Eigen::Index>(i)));
+    double largest = 0;
+    for (Eigen::Index j = 0; j < g.size(); ++j)
+      if (g[j] != 0)
+        largest = std::max(
+            largest, std::abs(g[j]) / (2 * control.joints[static_cast<std::size_t>(j)].friction.value()));
+    const Eigen::VectorXd counted = (coupling.transpose() * g).cwiseAbs();
+    for (std::size_t e = 0; e < count; ++e)
+      columns[e][i] = std::min(r.limit * largest * counted[static_cast<Eigen::Index>(e)], never);
+  }
+  ChoiceFigure figure;
+  const double rate = report_->walls[index].sampling;
+  figure.sums = {{{}, rate > 0 ? r.limit / rate : never}, {}};
+  for (std::size_t e = 0; e < count; ++e) figure.sums[1].columns.push_back({e, columns[e], widths_[e]});
+  return figure;
+}
+
+ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const WorstLoop& loop) {
+  if (spec_.model.control->joints[loop.joint].reading.of_position > 0) return {};  // no sum over the counts
+  const Transmission& t = spec_.model.transmission;
+  const Eigen::RowVectorXd parts = t.coupling.row(static_cast<Eigen::Index>(loop.joint)).cwiseAbs();
+  const double of_width = loop.cycle.bound / parts.dot(widths_at_rest(*spec_.model.control, resolutions(t)));
+  ChoiceFigure figure;
+  figure.sums = {{}};
+  for (Eigen::Index e = 0; e < parts.size(); ++e) {
+    if (parts[e] == 0) continue;
+    double* const column = new_column();
+    std::fill_n(column, configurations_, of_width * parts[e] / r.limit);
+    figure.sums[0].columns.push_back(
+        {static_cast<std::size_t>(e), column, widths_[static_cast<std::size_t>(e)]});
+  }
   return figure;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "control/loop.hpp"
 #include "control/loop_response.hpp"

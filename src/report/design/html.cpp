@@ -1,36 +1,36 @@
 #include <algorithm>
-#include <cmath>
 
 #include "report/analysis/about.hpp"
 #include "report/design/table.hpp"
 #include "report/formats.hpp"
-#include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
+#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
 
 namespace {
 
-bool by_bits(const DesignReport& r) { return r.by_bits; }
-
-std::string paragraph(const std::string& text) { return "<p>" + page::escaped_markup(text) + "</p>"; }
+/// The bits or the price of a design, of a point of the front or of an encoder.
+template <class Priced>
+double cost(const DesignReport& r, const Priced& of) {
+  return r.by_bits ? of.bits : of.price.value_or(0);
+}
 
 /// Each joint's encoder with what it takes of the sum.
 std::string encoder_table(const DesignReport& r, const Design& d) {
   if (d.encoders.empty()) return "";
-  const auto cost = [&](const DesignedEncoder& e) { return by_bits(r) ? e.bits : e.price.value_or(0); };
   double largest = 0;
-  for (const DesignedEncoder& e : d.encoders) largest = std::max(largest, cost(e));
+  for (const DesignedEncoder& e : d.encoders) largest = std::max(largest, cost(r, e));
   std::vector<std::string> rows;
   for (const DesignedEncoder& e : d.encoders) {
     const auto paid = [&](const std::string& text, bool counts) {
-      return counts && largest > 0 ? page::bar_cell(text, cost(e) / largest, cost(e)) : page::cell(text);
+      return counts && largest > 0 ? page::bar_cell(text, cost(r, e) / largest, cost(r, e))
+                                   : page::cell(text);
     };
-    rows.push_back(page::cell(e.joint) + page::cell(e.name) + paid(fixed_point(e.bits, 2), by_bits(r)) +
-                   paid(priced(e.price, r.price_unit), !by_bits(r)));
+    rows.push_back(page::cell(e.joint) + page::cell(e.name) + paid(fixed_point(e.bits, 2), r.by_bits) +
+                   paid(priced(e.price, r.price_unit), !r.by_bits));
   }
   return page::table_of("pays", {"joint", "encoder", "bits at the joint", "price"}, rows);
 }
@@ -38,18 +38,18 @@ std::string encoder_table(const DesignReport& r, const Design& d) {
 std::string filter_paragraphs(const Design& d) {
   std::string out;
   for (const DesignedFilter& f : d.filters) {
-    out += paragraph(filter_sentence(f));
-    if (const std::string best = best_linear_sentence(f); !best.empty()) out += paragraph(best);
+    out += page::paragraph(filter_sentence(f));
+    if (const std::string best = best_linear_sentence(f); !best.empty()) out += page::paragraph(best);
   }
   return out;
 }
 
 std::string chosen_section(const DesignReport& r, const Design& d) {
   std::string out = encoder_table(r, d) + filter_paragraphs(d);
-  for (const std::string& text : gain_sentences(r, d)) out += paragraph(text);
+  for (const std::string& text : gain_sentences(r, d)) out += page::paragraph(text);
   if (!d.encoders.empty())
-    out += paragraph("Together " + (d.price ? priced(d.price, r.price_unit) + ", " : "") + bits_text(d.bits) +
-                     '.');
+    out += page::paragraph("Together " + (d.price ? priced(d.price, r.price_unit) + ", " : "") +
+                           bits_text(d.bits) + '.');
   return out;
 }
 
@@ -72,20 +72,20 @@ void mark_design(page::Plot& plot, const DesignReport& r, const std::string& nam
                  const std::optional<Design>& d) {
   if (!d) return;
   if (const auto value = front_value(r, *d))
-    plot.series.push_back({name, {{by_bits(r) ? d->bits : d->price.value_or(0), *value}}, true, false});
+    plot.series.push_back({name, {{cost(r, *d), *value}}, true, false});
 }
 
 std::string front_list(const DesignReport& r) {
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (const ParetoPoint& p : r.pareto) {
-    std::string encoders;
-    for (const DesignedEncoder& e : p.encoders)
-      encoders += (encoders.empty() ? "" : ", ") + page::isolated(e.joint) + ' ' + page::isolated(e.name);
-    rows.push_back({encoders, by_bits(r) ? bits_text(p.bits) : priced(p.price, r.price_unit),
-                    readable(p.value, r.pareto_unit), p.proven ? "yes" : "NO"});
+    rows.push_back({joined(p.encoders, ", ",
+                           [](const DesignedEncoder& e) {
+                             return page::isolated(e.joint) + ' ' + page::isolated(e.name);
+                           }),
+                    cost_of(r, p.price, p.bits), readable(p.value, r.pareto_unit), p.proven ? "yes" : "NO"});
   }
   return "<details><summary>Designs of the front</summary>" +
-         page::table({"encoders", by_bits(r) ? "bits" : "price", r.pareto_figure, "proven"}, rows) +
+         page::table({"encoders", r.by_bits ? "bits" : "price", r.pareto_figure, "proven"}, rows) +
          "</details>";
 }
 
@@ -94,17 +94,16 @@ std::string next_step(const DesignReport& r) {
   const Design& d = *r.optimal;
   const auto now = front_value(r, d);
   for (const ParetoPoint& p : r.pareto) {
-    const double more = by_bits(r) ? p.bits - d.bits : p.price.value_or(0) - d.price.value_or(0);
+    const double more = cost(r, p) - cost(r, d);
     if (!(more > 0) || (now && p.value >= *now)) continue;
-    std::string changes;
+    std::vector<std::string> changes;
     for (std::size_t i = 0; i < std::min(p.encoders.size(), d.encoders.size()); ++i)
       if (p.encoders[i].name != d.encoders[i].name)
-        changes += (changes.empty() ? " with " : ", ") + page::isolated(p.encoders[i].joint) + ' ' +
-                   page::isolated(p.encoders[i].name);
-    return "The next better step costs " + (by_bits(r) ? bits_text(more) : priced(more, r.price_unit)) +
-           " more" + changes + ": " + page::isolated(r.pareto_figure) + ' ' +
-           readable(p.value, r.pareto_unit) + (now ? " in place of " + readable(*now, r.pareto_unit) : "") +
-           '.';
+        changes.push_back(page::isolated(p.encoders[i].joint) + ' ' + page::isolated(p.encoders[i].name));
+    return "The next better step costs " + cost_of(r, more, more) + " more" +
+           (changes.empty() ? "" : " with " + joined(changes)) + ": " + page::isolated(r.pareto_figure) +
+           ' ' + readable(p.value, r.pareto_unit) +
+           (now ? " in place of " + readable(*now, r.pareto_unit) : "") + '.';
   }
   return "";
 }
@@ -112,22 +111,20 @@ std::string next_step(const DesignReport& r) {
 std::string front_section(const DesignReport& r) {
   if (r.pareto.empty())
     return "<p>No front: there are no encoders to choose, or only the optimum was asked for.</p>";
-  page::Plot plot{(by_bits(r) ? "Bits against " : "Price against ") + r.pareto_figure,
+  page::Plot plot{(r.by_bits ? "Bits against " : "Price against ") + r.pareto_figure,
                   "Designs that no cheaper one equals in this figure; the optimum and the runner-up are "
                   "marked.",
-                  {by_bits(r) ? "bits of all joints" : "price", by_bits(r) ? "" : r.price_unit},
+                  {r.by_bits ? "bits of all joints" : "price", r.by_bits ? "" : r.price_unit},
                   {page::shortened(r.pareto_figure, 46), r.pareto_unit},
                   {}};
   plot.x.prefix = false;  // 1.2 kEUR is no price
   page::Series front{"front", {}, true};
-  for (const ParetoPoint& p : r.pareto)
-    front.points.emplace_back(by_bits(r) ? p.bits : p.price.value_or(0), p.value);
+  for (const ParetoPoint& p : r.pareto) front.points.emplace_back(cost(r, p), p.value);
   plot.series.push_back(front);
   // Rows far beyond the front would squeeze it.
   page::Series rows{"one encoder at all joints", {}, true, false};
   for (const ParetoPoint& p : r.uniform)
-    if (p.value <= r.pareto.front().value && p.value > 0)
-      rows.points.emplace_back(by_bits(r) ? p.bits : p.price.value_or(0), p.value);
+    if (p.value <= r.pareto.front().value && p.value > 0) rows.points.emplace_back(cost(r, p), p.value);
   if (!rows.points.empty()) plot.series.push_back(std::move(rows));
   mark_design(plot, r, "optimum", r.optimal);
   mark_design(plot, r, "runner-up", r.runner_up);
@@ -137,19 +134,17 @@ std::string front_section(const DesignReport& r) {
 }
 
 std::string price_section(const DesignReport& r) {
-  const auto cost = [&](const RequirementPrice& p) { return by_bits(r) ? p.bits : p.price; };
-  page::Bars bars{by_bits(r) ? "Bits with one requirement relaxed" : "Price with one requirement relaxed",
+  page::Bars bars{r.by_bits ? "Bits with one requirement relaxed" : "Price with one requirement relaxed",
                   "The least that a design costs if the limit is looser by the part that is stated; the "
                   "first bar is the optimum.",
                   {},
-                  {"", by_bits(r) ? "bits" : r.price_unit, false, false}};
+                  {"", r.by_bits ? "bits" : r.price_unit, false, false}};
   const Design& d = *r.optimal;
-  const double optimum = by_bits(r) ? d.bits : d.price.value_or(0);
-  bars.bars.push_back({"as required", optimum, cost_of(r, d.price, d.bits)});
+  bars.bars.push_back({"as required", cost(r, d), cost_of(r, d.price, d.bits)});
   std::string none;
   for (const RequirementPrice& p : r.requirement_prices) {
     const std::string name = r.spec.requirements[p.requirement].name();
-    if (const auto value = cost(p))
+    if (const auto value = r.by_bits ? p.bits : p.price)
       bars.bars.push_back({name + ", " + percent(p.relaxed) + " looser", *value,
                            cost_of(r, p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less")});
     else
@@ -163,9 +158,7 @@ std::string price_section(const DesignReport& r) {
 
 std::string hindrances(const DesignReport& r) {
   if (r.obstacles.empty()) return "<p>Nothing single: it is the requirements together.</p>";
-  std::string out = "<ul>";
-  for (const std::string& text : r.obstacles) out += "<li>" + page::escaped_markup(text) + "</li>";
-  return out + "</ul>";
+  return page::list(r.obstacles);
 }
 
 page::Page infeasible_page(const DesignReport& r) {
@@ -184,8 +177,8 @@ page::Page feasible_page(const DesignReport& r) {
   if (r.budget) answer += "; the budget is " + priced(*r.budget, r.price_unit);
   return {"Design of " + r.spec.robot_name,
           answer + '.' + (next.empty() ? "" : ' ' + next),
-          {{"What to choose",
-            chosen_section(r, d) + (r.runner_up ? paragraph("The " + runner_up_sentence(r) + '.') : "")},
+          {{"What to choose", chosen_section(r, d) +
+                                  (r.runner_up ? page::paragraph("The " + runner_up_sentence(r) + '.') : "")},
            {"What each step of accuracy costs", front_section(r)},
            {"What each requirement costs", price_section(r)}}};
 }

@@ -2,9 +2,9 @@
 #include <string>
 
 #include "qerr/report/design_report.hpp"
-#include "report/analysis/json_header.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 

@@ -95,19 +95,17 @@ std::string runner_up_sentence(const DesignReport& report) {
 namespace {
 
 std::string requirement_table(const DesignReport& report, const Design& d, const Style& style) {
-  std::vector<std::vector<std::string>> rows{
-      {"requirement", "value", "", "limit", "margin", "if 10 % looser"}};
+  TableRows rows{{"requirement", "value", "", "limit", "margin", "if 10 % looser"}};
   for (std::size_t i = 0; i < d.results.size(); ++i) {
     const Requirement& r = report.spec.requirements[i];
     std::string looser;
     for (const RequirementPrice& p : report.requirement_prices)
       if (p.requirement == i && p.bits)
         looser = cost_of(report, p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less");
-    const char* const relation =
-        r.at_least ? (d.results[i].met ? ">=" : "<") : (d.results[i].met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
-                    value_text(r, d.results[i].value), relation, readable(r.limit, r.unit),
-                    d.results[i].met ? margin_text(r, d.results[i]) : "NOT MET", looser});
+                    value_text(r, d.results[i].value), relation(r.at_least, d.results[i].met),
+                    readable(r.limit, r.unit), d.results[i].met ? margin_text(r, d.results[i]) : "NOT MET",
+                    looser});
   }
   if (report.requirement_prices.empty())
     for (auto& row : rows) row.pop_back();
@@ -117,7 +115,7 @@ std::string requirement_table(const DesignReport& report, const Design& d, const
 std::string choices(const DesignReport& report, const Design& d, const Style& style) {
   std::string out;
   if (!d.encoders.empty()) {
-    std::vector<std::vector<std::string>> rows{{"joint", "encoder", "price", "bits at the joint"}};
+    TableRows rows{{"joint", "encoder", "price", "bits at the joint"}};
     for (const DesignedEncoder& e : d.encoders)
       rows.push_back({shown(e.joint), shortened(e.name, 32), priced(e.price, report.price_unit),
                       fixed_point(e.bits, 2)});
@@ -135,7 +133,7 @@ std::string choices(const DesignReport& report, const Design& d, const Style& st
 std::string front_table(const DesignReport& report, const Style& style) {
   if (report.pareto.size() < 2) return "";
   const bool by_bits = report.by_bits;
-  std::vector<std::vector<std::string>> rows{{by_bits ? "bits" : "price", report.pareto_figure}};
+  TableRows rows{{by_bits ? "bits" : "price", report.pareto_figure}};
   for (const ParetoPoint& p : report.pareto)
     rows.push_back({by_bits ? fixed_point(p.bits, 2) : priced(p.price, report.price_unit),
                     readable(p.value, report.pareto_unit)});

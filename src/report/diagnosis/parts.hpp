@@ -2,11 +2,12 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
+#include <vector>
 
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/write.hpp"
 #include "report/rows.hpp"
+#include "report/text_table.hpp"
 
 /// What the formats and files of a diagnosis share.
 namespace qerr {
@@ -26,5 +27,95 @@ std::string figure_unit(const Spec&, const Unidentified&, const std::string& fig
 std::string with_interval(const ReportedParameter&);
 
 RowsOf<Gain> rows(Of<Gain>);
+
+/// The sections of the table of a diagnosis, each "" if there is nothing to report.
+
+/// A size for people: `5.49 counts = 400 urad = 1.38 arcmin`.
+/// @param unit     rad or m
+/// @param encoder  of the counts; null: none
+std::string size_text(double value, const std::string& unit, const Encoder* encoder);
+
+/// An angle in deg, arcmin or arcsec, whichever is between 1 and 60.
+std::string arc_text(double angle);
+
+/// The faults of the record itself, each with its place and remedy.
+std::string data_section(const DiagnosisReport&, const Style&);
+
+/// The causes: size, what is lost without it, remedy, alternatives, picture.
+std::string causes_section(const DiagnosisReport&, const Style&);
+
+/// The residual of the extended model, and the shapes in it that no effect has.
+std::string remainder_section(const DiagnosisReport&, const Style&);
+
+/// What to inspect or to record for each shape in the residual.
+std::string next_section(const DiagnosisReport&, const Style&);
+
+/// The smallest effects that the record would have shown, and those that its motion hid.
+std::string visible_section(const DiagnosisReport&, const Style&);
+
+/// Statistics, intervals, p-values and gains.
+std::string details_section(const DiagnosisReport&, const Style&);
+
+/// What the sections are made of, for other formats too.
+
+/// `'log.csv': 5000 rows over 10 s`, and which columns were unwrapped.
+std::string record_words(const Log&);
+
+/// `gap 400.03 +- 0.11 urad = 1.38 arcmin = 5.49 counts`: the parameters and choices of a cause.
+std::string size_words(const DiagnosisReport&, const Cause&);
+
+/// What is lost without the cause; where that is unknown, what all causes of its place remove together.
+std::string loss_words(const DiagnosisReport&, const Cause&);
+
+/// Alternatives to the cause (null: to what is no cause of the list), those with the same advice together:
+/// `latency and timing_jitter; to tell them apart, record ...`.
+std::vector<std::string> alternatives_to(const Diagnosis&, const Cause*);
+
+/// A parameter with its interval, and a coordinate also in counts.
+std::string parameter_size(const Spec&, const Cause&, const ReportedParameter&);
+
+/// The residual of the extended model: one line per joint with a cause, or for the tip; without causes one
+/// for all joints.
+std::vector<std::string> remainder_lines(const Diagnosis&);
+
+/// What to inspect or to record, once for each shape.
+std::vector<std::string> advice_lines(const Diagnosis&);
+
+/// Rms of the residual before and after, in units and counts: a header and a row for each place.
+TableRows gain_rows(const Diagnosis&);
+
+/// How well the extended model predicts each reading.
+std::vector<std::string> prediction_lines(const Gain&);
+
+/// The smallest visible sizes under a header: effects as rows, joints as columns, without those in which
+/// nothing is visible.
+TableRows visible_sizes(const Diagnosis&);
+
+/// One line for all effects of a joint that are hidden for the same reason.
+std::vector<std::string> hidden_lines(const Diagnosis&);
+
+/// `j1, row 17`.
+std::string place_of(const DataFinding&);
+
+/// `a step of 37.4 counts = 2.73 mrad = 9.39 arcmin at 9.00 s`.
+std::string shape_words(const Spec&, const Unidentified&);
+
+/// What to inspect or to record to find the cause of a shape.
+std::string shape_advice(Shape);
+
+/// The curve as a picture, in counts where the joint has an encoder; "" without a curve.
+std::string curve_picture(const Spec&, const std::string& joint, const ResidualCurve&, const Style&);
+
+/// The joint, or `tip`, whose residual the cause's gain refers to.
+std::string place_of(const Cause&);
+
+/// `eccentricity of elbow`; a periodic error with its order.
+std::string label(const Cause&);
+
+/// `NOTHING WRONG`, or, if the record itself has faults, `NOTHING WRONG, BUT CORRUPT READINGS`.
+std::string verdict_title(const Diagnosis&);
+
+/// The sentence behind the verdict: the causes and their joints; a single remainder by its shape.
+std::string verdict_words(const DiagnosisReport&);
 
 }  // namespace qerr

@@ -6,8 +6,6 @@
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
-#include "report/diagnosis/sections.hpp"
-#include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
 #include "report/text_picture.hpp"
 #include "report/text_table.hpp"
@@ -58,7 +56,7 @@ std::string simulation_table(const Diagnosis& d, const Style& style) {
                [](const Comparison& c) { return c.p_value < significance_level; });
   std::stable_sort(list.begin(), list.end(),
                    [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
-  std::vector<std::vector<std::string>> rows{{"joint", "statistic", "observed", "expected", "p"}};
+  TableRows rows{{"joint", "statistic", "observed", "expected", "p"}};
   for (std::size_t i = 0; i < std::min(list.size(), most); ++i)
     rows.push_back({shown(list[i].joint), list[i].statistic, significant(list[i].observed, 3),
                     significant(list[i].expected, 3),
@@ -92,18 +90,23 @@ std::string parameter_size(const Spec& spec, const Cause& cause, const ReportedP
   return text;
 }
 
-std::vector<std::vector<std::string>> gain_rows(const Diagnosis& d) {
-  std::vector<std::vector<std::string>> rows{
-      {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
-  std::vector<std::string> seen;
-  for (const Cause& c : d.causes) {
-    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
-    seen.push_back(place_of(c));
-    rows.push_back(gain_row(seen.back(), c.gain));
-  }
+/// The joints with a cause, or the tip, and the gain of each.
+std::vector<std::pair<std::string, Gain>> gains_by_place(const Diagnosis& d) {
+  std::vector<std::pair<std::string, Gain>> all;
+  for (const Cause& c : d.causes)
+    if (std::none_of(all.begin(), all.end(), [&](const auto& known) { return known.first == place_of(c); }))
+      all.emplace_back(place_of(c), c.gain);
+  return all;
+}
+
+std::string whole_place(const Diagnosis& d) { return d.gain.of_tip ? "the tip" : "all joints"; }
+
+TableRows gain_rows(const Diagnosis& d) {
+  TableRows rows{{"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
+  for (const auto& [place, gain] : gains_by_place(d)) rows.push_back(gain_row(place, gain));
   // The total of a single place would repeat its row.
-  if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
-    rows.push_back(gain_row(d.gain.of_tip ? "the tip" : "all joints", d.gain));
+  if (rows.size() != 2 || d.causes.front().gain.rms_before != d.gain.rms_before)
+    rows.push_back(gain_row(whole_place(d), d.gain));
   return rows;
 }
 
@@ -130,7 +133,7 @@ std::string causes_table(const DiagnosisReport& r) {
     out += "  " + label(c) + "  " + probability(c.p_value);
     if (share > 0) out += ", " + share_of(share) + " of the joint's residual variance";
     out += '\n';
-    std::vector<std::vector<std::string>> rows;
+    TableRows rows;
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       rows.push_back({p.figure.name + "  " + parameter_size(r.spec, c, p)});
     out += aligned(rows, "    ");
@@ -171,10 +174,6 @@ std::string remainder_line(const std::string& place, const Gain& g) {
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// `all joints: the extended model, simulated along the record: 5.5 mrad rms, measured 5.52 mrad`.
 std::string reproduction_line(const std::string& place, const Reproduction& check, const std::string& unit) {
   return place + ": the extended model, simulated along the record, errs by " +
@@ -187,14 +186,9 @@ std::string reproduction_line(const std::string& place, const Reproduction& chec
 
 std::vector<std::string> remainder_lines(const Diagnosis& d) {
   if (d.verdict == Verdict::cannot_judge) return {};
-  std::vector<std::string> seen, out;
-  for (const Cause& c : d.causes) {
-    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
-    seen.push_back(place_of(c));
-    out.push_back(remainder_line(seen.back(), c.gain));
-  }
-  if (seen.empty() && d.gain.rms_after > 0)
-    out.push_back(remainder_line(d.gain.of_tip ? "the tip" : "all joints", d.gain));
+  std::vector<std::string> out;
+  for (const auto& [place, gain] : gains_by_place(d)) out.push_back(remainder_line(place, gain));
+  if (out.empty() && d.gain.rms_after > 0) out.push_back(remainder_line(whole_place(d), d.gain));
   const bool of_joints =
       std::any_of(d.causes.begin(), d.causes.end(), [](const Cause& c) { return !c.gain.of_tip; });
   if (d.check && of_joints)
@@ -208,9 +202,7 @@ std::string place_of(const DataFinding& f) {
   if (!f.joint.empty()) parts.push_back(shown(f.joint));
   if (f.row) parts.push_back("row " + std::to_string(*f.row));
   if (f.time) parts.push_back(significant(*f.time, 6) + " s");
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text.empty() ? "the whole record" : text;
+  return parts.empty() ? "the whole record" : joined(parts);
 }
 
 std::vector<std::string> advice_lines(const Diagnosis& d) {
@@ -222,9 +214,7 @@ std::vector<std::string> advice_lines(const Diagnosis& d) {
         std::any_of(d.data.begin(), d.data.end(), [&](const DataFinding& f) { return f.joint == u.joint; }))
       continue;
     const std::string advice = u.next.empty() ? shape_advice(u.shape) : u.next;
-    if (std::find(seen.begin(), seen.end(), advice) != seen.end()) continue;
-    seen.push_back(advice);
-    out.push_back(shown(u.joint) + ": " + advice);
+    if (add_once(seen, advice)) out.push_back(shown(u.joint) + ": " + advice);
   }
   return out;
 }
@@ -403,10 +393,6 @@ std::vector<double> divided(std::vector<double> values, double factor) {
 }
 
 }  // namespace
-
-void add_once(std::vector<std::string>& list, const std::string& item) {
-  if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
-}
 
 std::string arc_text(double angle) {
   const double size = std::abs(angle) / degree;

@@ -7,6 +7,7 @@
 #include "filter/norms/recursion_error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/family.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -56,7 +57,7 @@ std::string identifier(const std::string& name, const std::vector<CodedFilter>& 
 
 std::string unit_of(const Filter& f) {
   if (f.unit) return "of the control law";
-  return f.derivative == 0 ? "1" : f.derivative == 1 ? "1/s" : "1/s^" + std::to_string(f.derivative);
+  return f.derivative == 0 ? "1" : rate_unit(f.derivative);
 }
 
 std::vector<std::string> comment_of(const CodedFilter& f) {

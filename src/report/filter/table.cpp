@@ -1,7 +1,9 @@
-#include "report/filter/table.hpp"
 
 #include <cmath>
+#include <string>
 
+#include "qerr/report/filter_report.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 
@@ -20,8 +22,7 @@ std::string title(const FilterFigures& f) { return "\n" + escaped(f.name, 40) + 
 
 std::string fidelity_table(const FilterReport& report, std::size_t width) {
   if (report.questions.frequencies.empty()) return {};
-  std::vector<std::vector<std::string>> rows{
-      {"filter", "frequency", "gain error", "phase error", "tracking error"}};
+  TableRows rows{{"filter", "frequency", "gain error", "phase error", "tracking error"}};
   for (const FilterFigures& f : report.filters)
     for (const Fidelity& x : f.fidelity)
       rows.push_back({&x == &f.fidelity.front() ? escaped(f.name, 40) : "", readable(x.frequency, "Hz"),
@@ -51,10 +52,9 @@ std::string modulus_of(double modulus) {
 }
 
 std::string norm_table(const FilterReport& report, std::size_t width) {
-  std::vector<std::vector<std::string>> rows{{"filter", "H2 norm", "l1 norm", "H(1)", "largest pole"}};
+  TableRows rows{{"filter", "H2 norm", "l1 norm", "H(1)", "largest pole"}};
   for (const FilterFigures& f : report.filters) {
-    const int d = f.filter.derivative;
-    const std::string unit = d == 0 ? "" : d == 1 ? "/s" : "/s^" + std::to_string(d);
+    const std::string unit = f.filter.derivative == 0 ? "" : rate_unit(f.filter.derivative).substr(1);
     // Ill-conditioned coefficients: the error exceeds rounding.
     const bool ill_conditioned = f.norms.h2 > 0 && f.norms.h2_error > 1e-12 * f.norms.h2;
     rows.push_back({escaped(f.name, 40),
@@ -70,8 +70,7 @@ std::string dynamics_table(const FilterReport& report, std::size_t width) {
   const auto figure = [](const std::optional<double>& value, const char* unit) {
     return value ? readable(*value, unit) : "none";
   };
-  std::vector<std::vector<std::string>> rows{
-      {"filter", "delay", "settling to 2 %", "-3 dB", "equivalent noise bandwidth"}};
+  TableRows rows{{"filter", "delay", "settling to 2 %", "-3 dB", "equivalent noise bandwidth"}};
   const auto& band = report.questions.motion_band;
   if (band) rows.front().insert(rows.front().end(), {"tracking error", "its rms"});
   for (const FilterFigures& f : report.filters) {
@@ -96,15 +95,6 @@ std::string filter_table(const FilterReport& report, std::size_t width) {
   return out;
 }
 
-}  // namespace
-
-std::string to_table(const FilterReport& report, const Style& style) {
-  return filter_table(report, style.width) + noise_table(report, style.width) +
-         (report.estimators ? estimator_table(*report.estimators, style.width) : "");
-}
-
-namespace {
-
 std::string text_of(const MotionQuestion& m) {
   return significant(m.size, 6) + ' ' + m.unit() + (m.sine ? " at " + readable(m.frequency, "Hz") : "");
 }
@@ -115,8 +105,7 @@ std::string threshold_text(const std::optional<double>& threshold) {
 
 std::string sine_table(const std::vector<SineErrorRow>& rows, std::size_t width) {
   if (rows.empty()) return {};
-  std::vector<std::vector<std::string>> cells{
-      {"encoder", "amplitude", "|mean| up to", "envelope", "mean square / IPQN", "envelope"}};
+  TableRows cells{{"encoder", "amplitude", "|mean| up to", "envelope", "mean square / IPQN", "envelope"}};
   for (const SineErrorRow& r : rows)
     cells.push_back(
         {escaped(r.encoder, 40), significant(r.amplitude, 5), significant(r.largest_mean, 3),
@@ -128,12 +117,10 @@ std::string sine_table(const std::vector<SineErrorRow>& rows, std::size_t width)
          fitted_table(cells, width);
 }
 
-}  // namespace
-
+/// The accuracy of IPQN behind every filter, and the noise in motion; "" if the report has neither.
 std::string noise_table(const FilterReport& report, std::size_t width) {
   if (report.noise.empty()) return {};
-  std::vector<std::vector<std::string>> rows{
-      {"filter", "within 10 % above", "within 1 % above", "99 % of the noise after"}};
+  TableRows rows{{"filter", "within 10 % above", "within 1 % above", "99 % of the noise after"}};
   for (const FilterNoise& f : report.noise)
     rows.push_back({escaped(f.filter, 40),
                     f.followed ? threshold_text(f.within_10_percent) : "memory too long",
@@ -143,8 +130,7 @@ std::string noise_table(const FilterReport& report, std::size_t width) {
                     fitted_table(rows, width);
   for (const FilterNoise& f : report.noise) {
     if (f.rows.empty()) continue;
-    std::vector<std::vector<std::string>> cells{
-        {"encoder", "motion", "counts per sample", "sigma", "IPQN", "ratio"}};
+    TableRows cells{{"encoder", "motion", "counts per sample", "sigma", "IPQN", "ratio"}};
     for (const NoiseRow& row : f.rows)
       cells.push_back({escaped(row.encoder, 40), text_of(row.motion), significant(row.counts_per_sample, 4),
                        row.sigma ? readable(*row.sigma, row.unit) : "not known",
@@ -156,8 +142,6 @@ std::string noise_table(const FilterReport& report, std::size_t width) {
   return out + sine_table(report.sine_errors, width);
 }
 
-namespace {
-
 std::string decibels(double speed, double error) {
   if (!std::isfinite(error)) return "-";
   return std::to_string(std::lround(worst_case_snr_db(speed, error))) + " dB";
@@ -168,8 +152,6 @@ bool same_encoder(const EncoderEstimators& a, const EncoderEstimators& b) {
 }
 
 std::string error_text(double error, const std::string& unit) { return readable(error, unit); }
-
-}  // namespace
 
 std::string estimator_table(const EstimatorReport& report, std::size_t width) {
   std::string out = "\nVelocity from counts, worst case: finite differences (FDM) at " +
@@ -186,7 +168,7 @@ std::string estimator_table(const EstimatorReport& report, std::size_t width) {
                                                      significant(e.edges.shortest, 3) + " to " +
                                                      significant(e.edges.longest, 3) + " counts apart"),
                           width);
-    std::vector<std::vector<std::string>> rows{
+    TableRows rows{
         {"speed", "counts per sample", "FDM error", "SNR", "ITM error", "SNR", "SNR as printed", "better"}};
     for (const EstimatorRow& r : e.rows) {
       const EstimatorError &fdm = r.finite_difference, &itm = r.inverse_time;
@@ -203,6 +185,13 @@ std::string estimator_table(const EstimatorReport& report, std::size_t width) {
              "edges may "
              "fall into one tick. The paper's bound (52), as printed, is valid and loose.",
              width);
+}
+
+}  // namespace
+
+std::string to_table(const FilterReport& report, const Style& style) {
+  return filter_table(report, style.width) + noise_table(report, style.width) +
+         (report.estimators ? estimator_table(*report.estimators, style.width) : "");
 }
 
 }  // namespace qerr

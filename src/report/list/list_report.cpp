@@ -1,4 +1,3 @@
-#include "report/list/list_report.hpp"
 
 #include <cmath>
 

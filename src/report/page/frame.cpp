@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
@@ -152,12 +151,18 @@ std::string drawn_line(double x1, double y1, double x2, double y2, const std::st
          drawn(x2) + ' ' + drawn(y2) + "\"/>";
 }
 
+std::string figure_begin(const std::string& title, const std::string& description, double width,
+                         double height, const std::string& attributes) {
+  return "<figure><figcaption>" + escaped_markup(title) + "</figcaption><svg role=\"img\" viewBox=\"0 0 " +
+         fixed_point(width, 0) + ' ' + fixed_point(height, 0) + '"' + attributes +
+         " xmlns=\"http://www.w3.org/2000/svg\"><title>" + escaped_markup(title) + "</title><desc>" +
+         escaped_markup(description) + "</desc>";
+}
+
 std::string figure_begin(const std::string& title, const std::string& description, const AxisRange& x,
                          const AxisRange& y) {
-  return "<figure><figcaption>" + escaped_markup(title) + "</figcaption><svg role=\"img\" viewBox=\"0 0 " +
-         fixed_point(picture_width, 0) + ' ' + fixed_point(picture_height, 0) + "\" data-units=\"" +
-         escaped_markup(x.unit + '|' + y.unit) + "\" xmlns=\"http://www.w3.org/2000/svg\"><title>" +
-         escaped_markup(title) + "</title><desc>" + escaped_markup(description) + "</desc>";
+  return figure_begin(title, description, picture_width, picture_height,
+                      " data-units=\"" + escaped_markup(x.unit + '|' + y.unit) + '"');
 }
 
 }  // namespace qerr::page

@@ -74,7 +74,11 @@ std::string drawn_text(double x, double y, std::string_view style, const std::st
 std::string drawn_line(double x1, double y1, double x2, double y2, const std::string& style,
                        const std::string& attributes = "");
 
-/// Opens `figure` and `svg`, with the units of both axes for the script.
+/// Opens `figure` and `svg`. @param attributes  of the latter
+std::string figure_begin(const std::string& title, const std::string& description, double width,
+                         double height, const std::string& attributes = "");
+
+/// With the units of both axes for the script.
 std::string figure_begin(const std::string& title, const std::string& description, const AxisRange& x,
                          const AxisRange& y);
 

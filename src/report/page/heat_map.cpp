@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/page/frame.hpp"
 #include "report/page/markup.hpp"

@@ -4,7 +4,6 @@
 
 #include "core/text.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/prose.hpp"
 
 namespace qerr::page {
 
@@ -33,13 +32,26 @@ std::string table_of(std::string_view style, const std::vector<std::string>& hea
   return out + "</tbody></table></div>\n";
 }
 
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+std::string table(const std::vector<std::string>& header, const TableRows& rows) {
   std::vector<std::string> marked;
   for (const auto& row : rows) {
     marked.emplace_back();
     for (const std::string& text : row) marked.back() += cell(isolated_runs(text));
   }
   return table_of("plain", header, marked);
+}
+
+std::string table(TableRows rows, const std::string& corner) {
+  std::vector<std::string> header = std::move(rows.front());
+  if (header.front().empty()) header.front() = corner;
+  rows.erase(rows.begin());
+  return table(header, rows);
+}
+
+std::string title_list(const std::vector<std::pair<std::string, std::string>>& entries) {
+  std::string out = "<div class=\"head\"><dl class=\"about\">";
+  for (const auto& [name, text] : entries) out += "<dt>" + name + "</dt><dd>" + text + "</dd>";
+  return out + "</dl>";
 }
 
 std::string choice(const std::string& label,
@@ -62,7 +74,7 @@ std::string markup(const Page& page) {
       escaped_markup(page.title) + "</title><style>" + std::string(style_sheet) +
       "</style></head><body><main>\n<h1>" + name_markup(page.title) + "</h1>\n<p class=\"answer\">" +
       escaped_markup(page.answer) + "</p>\n" + page.about + "<div class=\"sections\">\n";
-  for (const Section& s : page.sections)
+  for (const PageSection& s : page.sections)
     out += "<section><h2>" + escaped_markup(s.heading) + "</h2>\n" + s.body + "</section>\n";
   if (!page.warnings.empty()) {
     out += "<section><h2>Warnings and assumptions</h2><ul>\n";
@@ -81,9 +93,69 @@ std::size_t bytes_left(const Page& page) {
   // Some texts are given without the entities and elements around them: a reserve of 25 kB.
   constexpr std::size_t most = 275000, fewest = 40000;
   std::size_t taken = page.answer.size() + page.about.size() + page.spec_text.size();
-  for (const Section& s : page.sections) taken += s.heading.size() + s.body.size();
+  for (const PageSection& s : page.sections) taken += s.heading.size() + s.body.size();
   for (const std::string& w : page.warnings) taken += w.size();
   return most > taken + fewest ? most - taken : fewest;
+}
+
+namespace {
+
+/// Letters of scripts that are written from the right (Unicode's blocks of Bidi_Class R and AL).
+bool from_the_right(unsigned code) {
+  return (code >= 0x590 && code <= 0x8FF) || (code >= 0xFB1D && code <= 0xFDFF) ||
+         (code >= 0xFE70 && code <= 0xFEFC) || (code >= 0x10800 && code <= 0x10FFF) ||
+         (code >= 0x1E800 && code <= 0x1EFFF);
+}
+
+bool between_words(char c) { return c == ' ' || c == '_' || c == '-'; }
+
+}  // namespace
+
+std::string isolated_runs(const std::string& text) {
+  std::string out;
+  std::size_t run = std::string::npos;  // its first byte in `out`
+  std::size_t end = 0;                  // of its last letter in `out`
+  bool any = false;
+  const auto close = [&] {
+    if (run == std::string::npos) return;
+    out.insert(end, "\u2069");
+    out.insert(run, "\u2068");
+    run = std::string::npos;
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = std::max<std::size_t>(1, utf8_length(text, at));
+    const bool right = length > 1 && from_the_right(code_point(text, at));
+    if (!right && !between_words(text[at])) close();
+    if (right && run == std::string::npos) run = out.size();
+    out.append(text, at, length);
+    if (right) end = out.size(), any = true;
+    at += length;
+  }
+  close();
+  return any ? "\u200E" + out : out;
+}
+
+std::string isolated(const std::string& name) { return "\u2068" + name + "\u2069"; }
+
+std::string paragraph(const std::string& text) {
+  return text.empty() ? "" : "<p>" + escaped_markup(isolated_runs(text)) + "</p>\n";
+}
+
+std::string list(const std::vector<std::string>& items) {
+  if (items.empty()) return "";
+  std::string out = "<ul>\n";
+  for (const std::string& item : items) out += "<li>" + escaped_markup(isolated_runs(item)) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string subtitle(const std::string& name) {
+  return "<h3>" + escaped_markup(isolated_runs(name)) + "</h3>\n";
+}
+
+AxisRange time_axis(double last) { return {"time", "s", false, last < 1}; }
+
+std::string side_by_side(const std::string& figures) {
+  return figures.empty() ? "" : "<div class=\"figures\">" + figures + "</div>\n";
 }
 
 }  // namespace qerr::page

@@ -6,11 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "report/page/frame.hpp"
+#include "report/text_table.hpp"
+
 namespace qerr::page {
 
 /// A page that stands alone: HTML 5 that is also well-formed XML, without any request.
 
-struct Section {
+struct PageSection {
   std::string heading;
   std::string body;  ///< markup
 };
@@ -18,7 +21,7 @@ struct Section {
 struct Page {
   std::string title;
   std::string answer;  ///< one sentence, text
-  std::vector<Section> sections;
+  std::vector<PageSection> sections;
   std::vector<std::string> warnings = {};
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
   std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
@@ -44,7 +47,14 @@ std::string table_of(std::string_view style, const std::vector<std::string>& hea
                      const std::vector<std::string>& rows);
 
 /// A table for people and screen readers. The cells are text.
-std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
+std::string table(const std::vector<std::string>& header, const TableRows& rows);
+
+/// The same of a terminal's table, whose first row is the header.
+/// @param corner  the header of the first column, where that has none
+std::string table(TableRows rows, const std::string& corner = "");
+
+/// Names and their markup as the block at the head of a page, which is left open: `</div>`.
+std::string title_list(const std::vector<std::pair<std::string, std::string>>& entries);
 
 /// Several figures of which one is shown at a time, chosen from a list by its name; all of them without a
 /// script.
@@ -66,5 +76,29 @@ extern const std::string_view style_sheet;
 /// tells their values at the pointer and by keys, and switches series; turns the robot of a scene
 /// (report/analysis/page/scene.hpp). Without it every picture is there, still.
 extern const std::string_view script;
+
+/// Text between the pictures of a page.
+
+/// The text with each run of a right-to-left script isolated (U+2068, U+2069), so that the numbers and words
+/// beside a name keep their order, and written from the left (U+200E). Other texts are not changed.
+std::string isolated_runs(const std::string& text);
+
+/// A name among other words, which keeps its writing direction to itself.
+std::string isolated(const std::string& name);
+
+/// A paragraph; "" without text.
+std::string paragraph(const std::string& text);
+
+/// Items with dots; "" without any.
+std::string list(const std::vector<std::string>& items);
+
+/// A title within a section. @param name  text
+std::string subtitle(const std::string& name);
+
+/// The axis of a time that ends at `last` [s]: a thousand seconds are not a kilosecond.
+AxisRange time_axis(double last);
+
+/// Figures beside each other where there is space; "" without any.
+std::string side_by_side(const std::string& figures);
 
 }  // namespace qerr::page

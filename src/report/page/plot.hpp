@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,5 +74,26 @@ struct Plot {
 /// `data-band="x,from,to x,from,to"`, a mark all digits as `data-x`, `data-y`, an error bar as `data-from`,
 /// `data-to`, a limit as `data-limit`.
 std::string figure(const Plot&);
+
+/// Horizontal bars from zero, as SVG.
+
+struct Bar {
+  std::string name;
+  double value = 0;                                     ///< [SI], not negative
+  std::string text;                                     ///< the value for people
+  std::optional<std::pair<double, double>> error = {};  ///< from, to [SI]
+  int colour = 0;                                       ///< of those of lines, 0 to 4
+};
+
+struct Bars {
+  std::string title, description;
+  std::vector<Bar> bars;
+  AxisRange axis = {"", "%"};        ///< with the unit %, values are parts of 1
+  std::optional<double> limit = {};  ///< a line across all bars [SI]
+};
+
+/// One bar below the other, in the order given, over one axis; each with its name above it. A bar carries its
+/// value as `data-value`, the name as `data-name`.
+std::string figure(const Bars&);
 
 }  // namespace qerr::page

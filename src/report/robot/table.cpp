@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "kinematics/tree.hpp"
 #include "report/formats.hpp"
 #include "report/robot/parts.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -44,7 +44,7 @@ bool one_base(const RobotReport& report) {
 
 /// Ends moved by the same joints are one row: the likeliest tip and the number of the others.
 std::string end_text(const RobotReport& report, std::size_t width) {
-  std::vector<std::vector<std::string>> rows{{"tip", "moving joints", "last joint", "base"}};
+  TableRows rows{{"tip", "moving joints", "last joint", "base"}};
   std::map<std::vector<std::size_t>, std::size_t> row_of;
   std::map<std::size_t, std::size_t> beside;
   for (const TreeEnd& end : report.ends) {
@@ -137,8 +137,7 @@ std::string pose_text(const PoseAtJoints& at, const Style& style) {
               (joint.prismatic() ? shortest(value) + " m"
                                  : shortest(std::round(value * 180e9 / std::numbers::pi) / 1e9) + " deg");
   const std::vector<double> rpy = roll_pitch_yaw(at.pose.linear());
-  std::vector<std::vector<std::string>> rows{
-      {"", "x", "y", "z"}, {"position [m]"}, {"roll, pitch, yaw [deg]"}};
+  TableRows rows{{"", "x", "y", "z"}, {"position [m]"}, {"roll, pitch, yaw [deg]"}};
   for (Eigen::Index i = 0; i < 3; ++i) {
     rows[1].push_back(decimal(at.pose.translation()[i]));
     rows[2].push_back(decimal(rpy[static_cast<std::size_t>(i)] * 180 / std::numbers::pi));
@@ -214,7 +213,7 @@ std::vector<std::string> row_of(const Joint& joint) {
 }
 
 /// Width of all columns but the first, with the indentation.
-std::size_t width_beside_names(const std::vector<std::vector<std::string>>& rows) {
+std::size_t width_beside_names(const TableRows& rows) {
   std::size_t sum = 2;
   for (std::size_t column = 1; column < rows.front().size(); ++column) {
     std::size_t widest = 0;
@@ -247,8 +246,7 @@ std::string couplings(const RobotReport& report, std::size_t width) {
 }  // namespace
 
 std::string joint_text(const RobotReport& report, std::size_t width) {
-  std::vector<std::vector<std::string>> rows{
-      {"joint", "type", "axis", "lower", "upper", "effort", "speed", "ratio"}};
+  TableRows rows{{"joint", "type", "axis", "lower", "upper", "effort", "speed", "ratio"}};
   std::string mimics;
   bool revolute = false, prismatic = false, ratio = false;
   for (const Joint& joint : report.robot.joints) {

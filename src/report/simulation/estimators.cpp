@@ -1,13 +1,14 @@
-#include "report/simulation/estimators.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/text.hpp"
+#include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/csv_text.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/prose.hpp"
+#include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/estimators/estimator.hpp"
 #include "simulate/settling.hpp"
@@ -21,22 +22,17 @@ std::vector<EstimatedVelocity> estimator_comparison(const Spec& spec, const Simu
     if (f.filter.derivative == 1 && !f.controller && !has_unknown_unit(f.filter))
       filters.push_back({f.name, f.filter, f.norms, f.joints});
   if (filters.empty() && spec.estimators.empty())
-    throw Error(Fault{{spec.file, 1, 1},
-                      "estimators",
-                      "the spec has no velocity estimator to compare",
-                      "",
-                      "add estimators: (qerr list estimators), or filters of derivative 1"});
+    throw spec_error(spec, "estimators", "the spec has no velocity estimator to compare", "",
+                     "add estimators: (qerr list estimators), or filters of derivative 1");
   const Motion& motion = *spec.motion;
   const double numbers = static_cast<double>((filters.size() + spec.estimators.size() + 1) *
                                              spec.model.chain.independent.size() * options.runs) *
                          motion.duration * motion.sample_rate;
   constexpr double most = 5e7;  // numbers that are kept: 400 MB
   if (numbers > most)
-    throw Error(Fault{{spec.file, 1, 1},
-                      "motion.duration",
-                      "the motion has too many samples for a comparison of estimators",
-                      significant(numbers, 3) + " estimates of at most 5e7",
-                      "shorten the motion, or ask for fewer runs"});
+    throw spec_error(
+        spec, "motion.duration", "the motion has too many samples for a comparison of estimators",
+        significant(numbers, 3) + " estimates of at most 5e7", "shorten the motion, or ask for fewer runs");
   std::vector<Filter> designed;
   for (const VelocityFilter& f : filters) designed.push_back(f.filter);
   // Estimators have no settling time of their own: a twentieth of the motion unless the spec says otherwise.
@@ -103,7 +99,7 @@ constexpr const char* legend =
 }  // namespace
 
 std::string estimator_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{heads};
+  TableRows rows{heads};
   for (const EstimatedVelocity& e : r.estimators) rows.push_back(cells_of(r, e));
   return heading("Velocity estimators along the motion, of each joint the least error first", style) +
          fitted_table(rows, style.width) + wrapped(legend, style.width, "  ");
@@ -111,7 +107,7 @@ std::string estimator_table(const SimulationReport& r, const Style& style) {
 
 std::string estimator_figures(const SimulationReport& r) {
   std::string out;
-  std::vector<std::vector<std::string>> rows;
+  TableRows rows;
   for (std::size_t i = 0; i < r.estimators.size(); ++i) {
     const EstimatedVelocity& first = r.estimators[i];
     rows.push_back(cells_of(r, first));
@@ -142,6 +138,68 @@ std::string estimator_csv(const SimulationReport& r) {
     out += "\r\n";
   }
   return out;
+}
+
+std::vector<double> cutoffs_between(double from, double to, std::size_t count) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double way = static_cast<double>(i) / static_cast<double>(count - 1);
+    values.push_back(rounded_to(from * std::pow(to / from, way), 4));
+  }
+  values.front() = from;
+  values.back() = to;
+  return values;
+}
+
+std::vector<CutoffChoice> cutoff_choices(const SimulationReport& r) {
+  std::vector<CutoffChoice> choices;
+  for (std::size_t i = 0; i < r.cutoffs->values.size(); ++i) {
+    CutoffChoice choice{r.cutoffs->values[i], 0, 0, 0};
+    const std::vector<SimulatedSignal>& signals = r.simulation.results[i + 1];
+    for (std::size_t c = 0; c < signals.size(); ++c) {
+      if (!is_position(r.spec.model.coordinates[c])) continue;
+      const SimulatedSignal& s = signals[c];
+      choice.noise = std::hypot(choice.noise, s.sigma_simulated, s.mean_simulated);
+      choice.tracking = std::hypot(choice.tracking, s.tracking_rms);
+      choice.total = std::hypot(choice.total, s.total_rms);
+    }
+    choices.push_back(choice);
+  }
+  return choices;
+}
+
+std::size_t best_of(const std::vector<CutoffChoice>& choices) {
+  const auto best =
+      std::min_element(choices.begin(), choices.end(),
+                       [](const CutoffChoice& a, const CutoffChoice& b) { return a.total < b.total; });
+  return static_cast<std::size_t>(best - choices.begin());
+}
+
+std::string cutoff_unit(const SimulationReport& r) { return shown_unit("m", r.spec.filters[0].filter); }
+
+std::string cutoff_table(const SimulationReport& r, const Style& style) {
+  const std::vector<CutoffChoice> choices = cutoff_choices(r);
+  const std::size_t best = best_of(choices);
+  const std::string unit = cutoff_unit(r);
+  TableRows rows{{"cut-off", "encoder error", "tracking error", "total", ""}};
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const CutoffChoice& c = choices[i];
+    rows.push_back({readable(c.cutoff, "Hz"), readable(c.noise, unit), readable(c.tracking, unit),
+                    readable(c.total, unit), i == best ? "<- least" : ""});
+  }
+  std::string coordinates;
+  for (const Coordinate c : r.spec.model.coordinates)
+    if (is_position(c)) coordinates += ' ' + std::string(info(c).name);
+  const bool at_end = best == 0 || best + 1 == choices.size();
+  const std::string remark =
+      at_end
+          ? "the least is at an end of the range: widen it"
+          : "total: the estimate minus the true derivative; tracking error: what the filter does to the true "
+            "signal";
+  return heading("Filter '" + escaped(r.cutoffs->filter, 40) + "': root mean square errors of" + coordinates +
+                     " together, along the motion",
+                 style) +
+         fitted_table(rows, style.width) + wrapped(remark, style.width, "  ");
 }
 
 }  // namespace qerr

@@ -1,8 +1,8 @@
 #include "report/analysis/effects.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
 #include "report/json_header.hpp"
-#include "report/simulation/cutoffs.hpp"
-#include "report/simulation/estimators.hpp"
-#include "report/simulation/signals.hpp"
+#include "report/simulation/parts.hpp"
 
 namespace qerr {
 
@@ -109,6 +109,10 @@ RowsOf<SimulationReport> rows(Of<SimulationReport>) {
              {"estimators", [](auto& r) { return items_of(r.estimators, r); },
               "with --estimators: of each joint the least error first", optional},
              {"warnings", &SimulationReport::warnings}});
+}
+
+std::string to_csv(const SimulationReport& r, const Style&) {
+  return r.estimators.empty() ? csv_of(signals_of(r)) : estimator_csv(r);
 }
 
 }  // namespace qerr

@@ -1,18 +1,23 @@
 #include "qerr/report/simulation_report.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/simulation/signals.hpp"
+#include "report/csv_text.hpp"
+#include "report/simulation/parts.hpp"
+#include "report/text_table.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/settling.hpp"
 
@@ -78,17 +83,11 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
     spec.warnings.push_back(counted(removed, "filter") +
                             " of joints or controllers: not simulated; `analyze` has their figures");
   if (!spec.motion)
-    throw Error(Fault{{spec.file, 1, 1},
-                      "motion",
-                      "the spec has no motion to simulate",
-                      "",
-                      "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}"});
+    throw spec_error(spec, "motion", "the spec has no motion to simulate", "",
+                     "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}");
   if (needs_effort(spec.effects) && !has_masses(spec.model.chain))
-    throw Error(Fault{{spec.file, 1, 1},
-                      "effects",
-                      "compliance needs a load, which the URDF does not determine",
-                      "no <inertial> between base and tip",
-                      "give the links their masses"});
+    throw spec_error(spec, "effects", "compliance needs a load, which the URDF does not determine",
+                     "no <inertial> between base and tip", "give the links their masses");
   if (spec.model.tips)
     spec.warnings.emplace_back(
         "of several tips none is compared with the simulation: give the spec one `robot.tip`");
@@ -98,16 +97,86 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
   SimulationReport report{
       spec, simulate(model, designed_filters(spec), filter_norms(spec), *spec.motion, spec.effects, options),
       options.seed, spec.warnings};
-  for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
+  append(report.warnings, effect_warnings(spec, effects.shares));
   if (states_accuracy(spec))
     report.warnings.emplace_back(
         "the encoders' `accuracy` is not simulated, and not in the theory beside it: the shape of the error "
         "is "
         "not known; an effect such as eccentricity has one");
-  for (std::string& text : filter_warnings(spec)) report.warnings.push_back(std::move(text));
-  for (std::string& text : count_rate_warnings(spec)) report.warnings.push_back(std::move(text));
-  for (std::string& text : warnings_of(report, options.exact)) report.warnings.push_back(std::move(text));
+  append(report.warnings, filter_warnings(spec));
+  append(report.warnings, count_rate_warnings(spec));
+  append(report.warnings, warnings_of(report, options.exact));
   return report;
+}
+
+namespace {
+
+void append_number(std::string& text, double value) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? 0.0 : value);
+  text.append(buffer.data(), end.ptr);
+}
+
+void append_count(std::string& text, double count) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<long long>(count));
+  text.append(buffer.data(), end.ptr);
+}
+
+}  // namespace
+
+LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.model.chain)) {
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+      return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
+    }));
+  // Without the counts of one encoder, positions are recorded of every joint that it moves.
+  const Coupling& coupling = spec.model.transmission.coupling;
+  for (bool more = !coupling.is_identity(); more;) {
+    more = false;
+    for (Eigen::Index j = 0; j < coupling.size(); ++j)
+      for (Eigen::Index i = 0; i < coupling.size(); ++i) {
+        const auto joint = static_cast<std::size_t>(j), encoder = static_cast<std::size_t>(i);
+        if (coupling(j, i) == 0 || !rounded_[encoder] || rounded_[joint]) continue;
+        rounded_[joint] = more = true;
+      }
+  }
+}
+
+std::string LogWriter::header() const {
+  std::string text = "time [s]";
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    const IndependentJoint& joint = spec_.model.chain.independent[i];
+    const std::string unit = joint.prismatic() ? " [m]" : " [rad]";
+    text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
+            csv_cell(joint.name + ".reference" + unit);
+    if (efforts_) text += ',' + csv_cell(joint.name + (joint.prismatic() ? ".effort [N]" : ".effort [N m]"));
+  }
+  return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
+}
+
+std::string_view LogWriter::row(const Reading& r) {
+  text_.clear();
+  append_number(text_, r.time);
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    text_ += ',';
+    if (rounded_[i])
+      append_number(text_, r.logged[row]);
+    else
+      append_count(text_, r.counts[row]);
+    text_ += ',';
+    append_number(text_, r.reference[row]);
+    if (!efforts_) continue;
+    text_ += ',';
+    append_number(text_, r.effort[row]);
+  }
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    text_ += ',';
+    append_number(text_, r.tip.translation()[i]);
+  }
+  text_ += "\r\n";
+  return text_;
 }
 
 }  // namespace qerr

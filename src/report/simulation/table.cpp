@@ -5,9 +5,7 @@
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/formats.hpp"
-#include "report/simulation/cutoffs.hpp"
-#include "report/simulation/estimators.hpp"
-#include "report/simulation/signals.hpp"
+#include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -25,8 +23,7 @@ std::string factor(double value, int digits) {
 }
 
 std::string sigma_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{
-      {"", "simulated", "interval", "IPQN", "sim/IPQN", "sim/path", "sim/exact"}};
+  TableRows rows{{"", "simulated", "interval", "IPQN", "sim/IPQN", "sim/path", "sim/exact"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     const double sigma = is_constant(s) ? 0 : s.sigma_simulated, half = 0.5 * (s.sigma_upper - s.sigma_lower);
@@ -47,7 +44,7 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
     const SimulatedSignal& s = named.signal;
     return std::abs(s.mean_simulated) > 0.5 * s.sigma_simulated && !is_constant(s);
   });
-  std::vector<std::vector<std::string>> rows{{"", "peak", "worst case", "% of the bound"}};
+  TableRows rows{{"", "peak", "worst case", "% of the bound"}};
   if (has_means) rows[0].insert(rows[0].begin() + 1, "mean");
   for (const NamedSignal& named : signals) {
     const SimulatedSignal& s = named.signal;
@@ -67,7 +64,7 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
 
 /// Noise and tracking errors, where these were asked for.
 std::string tracking_table(const SimulationReport& r, const Style& style) {
-  std::vector<std::vector<std::string>> rows{{"", "encoder error", "tracking error", "its peak", "total"}};
+  TableRows rows{{"", "encoder error", "tracking error", "its peak", "total"}};
   for (auto& cells : tracking_cells(r)) rows.push_back(std::move(cells));
   if (rows.size() == 1) return "";
   return heading("Root mean square errors of the estimates: by the encoders and by the filter", style) +
@@ -76,9 +73,8 @@ std::string tracking_table(const SimulationReport& r, const Style& style) {
 
 }  // namespace
 
-std::vector<std::vector<std::string>> factor_cells(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows{
-      {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
+TableRows factor_cells(const SimulationReport& r) {
+  TableRows rows{{"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     rows.push_back({label_of(named), ratio_text(s.sigma_simulated, s.sigma_ipqn), "=",
@@ -128,6 +124,76 @@ std::string to_table(const SimulationReport& r, const Style& style) {
           heading("Factors from IPQN to the simulation", style) + fitted_table(factor_cells(r), style.width) +
           deviations(r),
       style.width);
+}
+
+bool is_constant(const SimulatedSignal& s) {
+  return std::isfinite(s.sigma_ipqn_path) && s.sigma_simulated <= 1e-6 * s.sigma_ipqn_path;
+}
+
+bool is_unbounded(const SimulatedSignal& s) {
+  return !std::isfinite(s.sigma_ipqn) || !std::isfinite(s.ladder.joint_error);
+}
+
+std::string label_of(const NamedSignal& s) { return escaped(s.filter, 40) + ' ' + s.coordinate; }
+
+std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport& r) {
+  constexpr double noteworthy = 0.05;
+  const bool ideal = r.spec.effects.empty();
+  const std::array<const char*, 4> names{
+      ideal ? "the Jacobian varies along the path"
+            : "the Jacobian varies along the path, with constant errors too",
+      ideal ? "the errors of the encoders are not white or not uniform"
+            : "the effects add errors at the joints",
+      "the errors of the joints are correlated",
+      ideal ? "the kinematics are not linear" : "the kinematics are not linear, or not those of the model"};
+  std::array<std::vector<std::string>, 4> found;
+  std::vector<std::string> constant, unbounded;
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (is_unbounded(s)) {
+      unbounded.push_back(label_of(named));
+      continue;
+    }
+    const double off = s.sigma_ipqn > 0 ? s.sigma_simulated / s.sigma_ipqn - 1 : 0;
+    if (!(std::abs(off) > noteworthy)) continue;
+    if (is_constant(s)) {
+      constant.push_back(label_of(named));
+      continue;
+    }
+    const std::array factors{s.ladder.varying_jacobian, s.ladder.joint_error, s.ladder.correlated_joints,
+                             s.ladder.nonlinear};
+    const auto worst = std::max_element(factors.begin(), factors.end(), [](double a, double b) {
+      return std::abs(std::log(a)) < std::abs(std::log(b));
+    });
+    found[static_cast<std::size_t>(worst - factors.begin())].push_back(
+        label_of(named) + (off > 0 ? " (+" : " (") + percent(off) + ')');
+  }
+  std::vector<IpqnDeviation> all;
+  const auto add = [&](const std::string& why, const std::vector<std::string>& labels) {
+    if (labels.empty()) return;
+    constexpr std::size_t most = 3;
+    std::string text;
+    for (std::size_t k = 0; k < std::min(labels.size(), most); ++k) text += (k ? ", " : "") + labels[k];
+    if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
+    all.push_back({why, text});
+  };
+  for (std::size_t i = 0; i < found.size(); ++i) add(names[i], found[i]);
+  add("IPQN is unbounded at the gimbal lock, which the motion passes", unbounded);
+  add("the error is constant: no motion, or whole counts per sample", constant);
+  return all;
+}
+
+TableRows tracking_cells(const SimulationReport& r) {
+  TableRows rows;
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
+    rows.push_back({label_of(named),
+                    readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.shown_unit),
+                    readable(s.tracking_rms, named.shown_unit), readable(s.tracking_peak, named.shown_unit),
+                    readable(s.total_rms, named.shown_unit)});
+  }
+  return rows;
 }
 
 }  // namespace qerr

@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -90,14 +91,13 @@ std::vector<std::size_t> other_steps(const SweepGrid& grid, std::size_t without,
 }
 
 std::string name_of_line(const SweepGrid& grid, std::size_t without, const std::vector<std::size_t>& steps) {
-  std::string name;
+  std::vector<std::string> all;
   for (std::size_t a = 0; a < steps.size(); ++a) {
-    if (a == without) continue;
     const SweepAxis& axis = grid.axes()[a];
-    for (std::size_t k = 0; k < axis.keys.size(); ++k)
-      name += (name.empty() ? "" : ", ") + axis.keys[k] + " = " + short_value(axis.steps[steps[a]].names[k]);
+    for (std::size_t k = 0; k < axis.keys.size() && a != without; ++k)
+      all.push_back(axis.keys[k] + " = " + short_value(axis.steps[steps[a]].names[k]));
   }
-  return name.empty() ? "all variants" : name;
+  return all.empty() ? "all variants" : joined(all);
 }
 
 }  // namespace

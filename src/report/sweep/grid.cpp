@@ -1,8 +1,9 @@
 #include "report/sweep/grid.hpp"
 
-#include "core/text.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/analysis/requirements.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -30,19 +31,14 @@ SweepColumn sweep_column(const SweepAxis& axis, std::size_t number, std::size_t 
 
 SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
   if (axes_.empty())
-    throw Error({{spec.file, 1, 1},
-                 "sweep",
-                 "the spec has none: there is nothing to vary",
-                 "",
-                 "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help variants)"});
+    throw spec_error(
+        spec, "sweep", "the spec has none: there is nothing to vary", "",
+        "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help variants)");
   double total = 1;
   for (const SweepAxis& axis : axes_) total *= static_cast<double>(axis.steps.size());
   if (total > 0x1p53)
-    throw Error({{spec.file, 1, 1},
-                 "sweep",
-                 "has more than 2^53 variants",
-                 "",
-                 "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values"});
+    throw spec_error(spec, "sweep", "has more than 2^53 variants", "",
+                     "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values");
   for (const SweepAxis& axis : axes_) {
     const auto number = static_cast<std::size_t>(&axis - axes_.data());
     for (std::size_t k = 0; k < axis.keys.size(); ++k) columns_.push_back(sweep_column(axis, number, k));
@@ -82,12 +78,12 @@ std::vector<std::string> SweepGrid::names(std::uint64_t variant) const {
   return names;
 }
 
-std::string SweepGrid::description(std::uint64_t variant) const {
+std::string SweepGrid::description(std::uint64_t variant,
+                                   const std::function<std::string(const std::string&)>& text) const {
   const std::vector<std::string> all_keys = keys(), values = names(variant);
-  std::string text;
-  for (std::size_t k = 0; k < all_keys.size(); ++k)
-    text += (k > 0 ? ", " : "") + all_keys[k] + " = " + values[k];
-  return text;
+  std::vector<std::string> all;
+  for (std::size_t k = 0; k < all_keys.size(); ++k) all.push_back(all_keys[k] + " = " + text(values[k]));
+  return joined(all);
 }
 
 Spec SweepGrid::spec(const SpecVariants& variants, const std::vector<std::size_t>& steps) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -48,8 +49,9 @@ class SweepGrid {
   const std::vector<SweepColumn>& columns() const { return columns_; }
   /// The values of the keys, as reports name them.
   std::vector<std::string> names(std::uint64_t variant) const;
-  /// `KEY = VALUE, KEY = VALUE` for messages.
-  std::string description(std::uint64_t variant) const;
+  /// `KEY = VALUE, KEY = VALUE` for messages. @param text  of a value's name
+  std::string description(std::uint64_t variant,
+                          const std::function<std::string(const std::string&)>& text = std::identity()) const;
 
   /// The step of each axis in a variant.
   std::vector<std::size_t> steps(std::uint64_t variant) const;

@@ -8,7 +8,12 @@
 #include "qerr/filter/norms.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/csv_text.hpp"
+#include "report/formats.hpp"
+#include "report/json_header.hpp"
+#include "report/sweep/run_sweep.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -186,6 +191,207 @@ SweepRows wide_rows(const SweepGrid& grid, const SpecVariants& variants,
     return line + csv_cell(v.fault) + "\r\n";
   };
   return rows;
+}
+
+namespace {
+
+using Statistics = std::vector<const StatisticKind*>;
+
+struct ReportedVariant {
+  const SweptVariant& swept;
+  const SweepGrid& grid;
+  const Statistics& statistics;
+};
+using SweptFilter = In<NamedFilter, ReportedVariant>;
+using SweptResult = In<RequirementResult, ReportedVariant>;
+
+/// The values of the keys that vary, by key.
+std::vector<std::pair<std::string, Json>> values(const ReportedVariant& v) {
+  std::vector<std::pair<std::string, Json>> all;
+  const std::vector<std::string> names = v.grid.names(v.swept.variant);
+  const std::vector<std::size_t> steps = v.grid.steps(v.swept.variant);
+  for (const SweepColumn& column : v.grid.columns())
+    all.emplace_back(column.key, column.values.empty() ? Json(names[all.size()])
+                                                       : Json(column.values[steps[column.axis]]));
+  return all;
+}
+
+/// A getter of the analysis of a variant: empty if it cannot be computed.
+template <class Getter>
+auto analyzed(Getter getter) {
+  return [getter](const ReportedVariant& v) {
+    return v.swept.check ? std::optional(getter(v.swept.check->analysis)) : std::nullopt;
+  };
+}
+
+struct SweptFigure {
+  std::string quantity, unit;
+  Statistic statistic;
+  const Statistics& asked;
+};
+
+std::optional<std::vector<SweptFigure>> figures(const ReportedVariant& v) {
+  if (!v.swept.check) return {};
+  std::vector<SweptFigure> all;
+  for_each_figure(v.swept.check->analysis, [&](const FigureName& name, const Statistic& s) {
+    all.push_back({name.quantity(), name.unit, s, v.statistics});
+  });
+  return all;
+}
+
+struct SweepHead {
+  const Spec& spec;
+  const SweepGrid& grid;
+};
+
+auto units(const SweepHead& h) {
+  std::vector<SweepColumn> columns = h.grid.columns();
+  std::erase_if(columns, [](const SweepColumn& c) { return c.unit.empty(); });
+  return by_name(columns, &SweepColumn::key, &SweepColumn::unit);
+}
+
+}  // namespace
+
+RowsOf<SweptFigure> rows(Of<SweptFigure>) {
+  RowsOf<SweptFigure> all{{"quantity", &SweptFigure::quantity, "as requirements name it"},
+                          {"unit", &SweptFigure::unit}};
+  for (const StatisticKind& kind : statistic_kinds())
+    all = all.with({{kind.name,
+                     [&kind](auto& f) {
+                       const bool asked = std::count(f.asked.begin(), f.asked.end(), &kind) > 0;
+                       return only_if(asked, std::optional(f.statistic.*kind.value));
+                     },
+                     optional}});
+  return all;
+}
+
+RowsOf<SweptFilter> rows(Of<SweptFilter>) {
+  RowsOf<SweptFilter> all{{"name", &NamedFilter::name}};
+  for (const FilterFigure& figure : filter_figures())
+    all = all.with({{figure.name, [&figure](auto& f) { return figure.value(f->filter, f->norms); },
+                     std::string(figure.summary) + ", in SI units"}});
+  return all;
+}
+
+RowsOf<SweptResult> rows(Of<SweptResult>) {
+  return requirement_rows<SweptResult>(
+      [](auto& r) -> auto& { return r.whole.swept.check->analysis.spec.requirements[r.i]; },
+      "none of a figure of a filter", "", "");
+}
+
+RowsOf<ReportedVariant> rows(Of<ReportedVariant>) {
+  return {{"variant", [](auto& v) { return v.swept.variant; }, "its number, from 0"},
+          {"values", values, Schema{schema::map({{"type", Json::array({"number", "string"})}})},
+           "of the keys that vary: numbers in SI units, or texts"},
+          {"error", [](auto& v) { return v.swept.fault; },
+           "why it cannot be computed, or a requirement not decided", optional},
+          {"figures", figures, optional},
+          {"budget", analyzed(budget), "each encoder's share of the mean variance of the position", optional},
+          {"filters", within(analyzed([](auto& a) { return a.spec.filters; })), optional},
+          {"requirements", within([](auto& v) {
+             return v.swept.check ? std::optional(v.swept.check->results) : std::nullopt;
+           }),
+           optional},
+          {"met",
+           [](auto& v) {
+             const bool judged = v.swept.check && !v.swept.check->results.empty();
+             return judged ? std::optional(v.swept.check->all_met()) : std::nullopt;
+           },
+           "whether all requirements are", optional}};
+}
+
+RowsOf<SweepHead> rows(Of<SweepHead>) {
+  return spec_header<SweepHead>("sweep").with(
+      {{"keys", [](auto& h) { return h.grid.keys(); }, "what varies; the first one slowest"},
+       {"units", units, "of the keys whose values have one"},
+       {"count", [](auto& h) { return h.grid.count(); }, "of the variants"},
+       {"variants", [](auto&) { return std::vector<ReportedVariant>(); }}});  // written one after the other
+}
+
+std::string SweepJson::variant(const SweptVariant& v, const SweepGrid& grid, const Statistics& statistics) {
+  return json_of(ReportedVariant{v, grid, statistics}).line();
+}
+
+SweepJson sweep_json(const SpecVariants& variants, const SweepGrid& grid) {
+  const std::string document = json_of(SweepHead{variants.base(), grid}).document();
+  return {document.substr(0, document.rfind(']')) + "\n    ", ",\n    ", "\n  ]\n}\n"};
+}
+
+Json sweep_schema() { return schema_of<SweepHead>(); }
+
+namespace {
+
+/// Words that the table can stack: of a dotted path each.
+std::string stacked(std::string path) {
+  std::replace(path.begin(), path.end(), '.', ' ');
+  return shown(path);
+}
+
+/// The headers of the figures, where the spec has no requirements.
+std::vector<std::string> headers(const Spec& spec) {
+  std::vector<std::string> headers;
+  if (!spec.requirements.empty()) {
+    for (const Requirement& r : spec.requirements) headers.push_back(stacked(r.name()));
+    headers.emplace_back("met");
+    return headers;
+  }
+  const std::vector<Signal> coordinates = all_signals(spec.model);
+  for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
+  for (const NamedFilter& f : spec.filters)
+    for (const Signal& c : coordinates)
+      if (is_filtered(f, c)) headers.push_back(stacked(f.name) + ' ' + c.name + " sigma max");
+  return headers;
+}
+
+}  // namespace
+
+SweepTable::SweepTable(const SpecVariants& variants, const SweepGrid& grid)
+    : variants_(variants), grid_(grid) {
+  std::vector<std::string>& header = cells_.emplace_back();
+  header.emplace_back("variant");
+  for (const std::string& key : grid.keys()) header.push_back(stacked(key));
+  append(header, headers(variants.base()));
+}
+
+std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
+  std::vector<std::string> cells;
+  const Analysis& a = check.analysis;
+  if (!variants_.base().requirements.empty()) {
+    for (std::size_t i = 0; i < check.results.size(); ++i)
+      cells.push_back(readable(check.results[i].value, a.spec.requirements[i].unit));
+    if (!check.results.empty()) cells.emplace_back(check.all_met() ? "yes" : "NO");
+    return cells;
+  }
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
+  for (std::size_t c = 0; c < coordinates.size(); ++c)
+    cells.push_back(readable(a.workspace.coordinates[c].worst_case.max, coordinates[c].unit));
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    for (std::size_t c = 0; c < coordinates.size(); ++c) {
+      if (!is_filtered(a.spec.filters[f], coordinates[c])) continue;
+      const auto& sigma = a.workspace.derivatives[f][c].sigma;
+      cells.push_back(sigma ? readable(sigma->max, shown_unit(coordinates[c].unit, a.spec.filters[f].filter))
+                            : "-");
+    }
+  return cells;
+}
+
+std::vector<std::string> SweepTable::row(const SweptVariant& v) const {
+  std::vector<std::string> row{std::to_string(v.variant)};
+  for (const std::string& name : grid_.names(v.variant)) row.push_back(shown(name));
+  std::vector<std::string> own = v.check ? figures(*v.check) : std::vector<std::string>();
+  // Variants may have other coordinates, filters or requirements than the spec: then figures are not
+  // comparable.
+  const std::size_t wanted = cells_.front().size() - 1 - grid_.keys().size();
+  append(row, own.size() == wanted ? std::move(own) : std::vector<std::string>(wanted, "-"));
+  return row;
+}
+
+std::string SweepTable::text(const Style& style) const {
+  const Spec& spec = variants_.base();
+  return changes_above(spec, style.width) + painted("qerr sweep", Paint::bold, style) + " robot '" +
+         shown(spec.robot_name) + "', " + counted(grid_.count(), "variant") + "\n\n" +
+         fitted_table(cells_, style.width) +
+         wrapped("all figures: -o FILE.csv, or --wide for one row a variant", style.width, "  ");
 }
 
 }  // namespace qerr

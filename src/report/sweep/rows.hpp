@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "qerr/bound/figure.hpp"
-#include "report/sweep/swept_variant.hpp"
+#include "qerr/report/write.hpp"
+#include "report/sweep/run_sweep.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -32,5 +34,31 @@ SweepRows tidy_rows(const SweepGrid& grid, std::vector<const StatisticKind*> sta
 /// The columns are those of the first variant that can be read, and of the variants that differ from it in
 /// one step. @throws Error (input; key `sweep`) from `lines` for a variant with further columns
 SweepRows wide_rows(const SweepGrid& grid, const SpecVariants&, std::vector<const StatisticKind*> statistics);
+
+/// A sweep as JSON: the texts before, between and after those of its variants.
+struct SweepJson {
+  std::string begin, separator, end;
+  static std::string variant(const SweptVariant&, const SweepGrid&, const std::vector<const StatisticKind*>&);
+};
+SweepJson sweep_json(const SpecVariants&, const SweepGrid&);
+
+/// A sweep as a table: one line a variant, with the requirements' values, or else the largest worst case of
+/// every coordinate and the largest sigma behind every filter.
+class SweepTable {
+ public:
+  SweepTable(const SpecVariants&, const SweepGrid&);
+
+  /// The cells of a variant, to be given to `add` in order; called on any thread.
+  std::vector<std::string> row(const SweptVariant&) const;
+  void add(std::vector<std::string> row) { cells_.push_back(std::move(row)); }
+  std::string text(const Style&) const;
+
+ private:
+  std::vector<std::string> figures(const SpecCheck&) const;
+
+  const SpecVariants& variants_;
+  const SweepGrid& grid_;
+  TableRows cells_;
+};
 
 }  // namespace qerr

@@ -1,12 +1,244 @@
 #include "report/sweep/run_sweep.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 
 #include "core/parallel.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/analysis/figure_names.hpp"
+#include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
+
+namespace {
+
+/// The first fault, without its place, which is the same for many variants.
+std::string fault_text(const Error& error) {
+  Fault fault = error.faults().front();
+  fault.place = {};
+  const std::string text = format({fault});
+  constexpr std::string_view program = "qerr: ";  // in place of a place
+  return text.starts_with(program) ? text.substr(program.size()) : text;
+}
+
+/// @param evaluate  what can fail
+/// @returns whether it failed, because of the input
+template <class Evaluate>
+bool failed(SweptVariant& v, Evaluate evaluate) {
+  try {
+    evaluate();
+    return false;
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
+    v.fault = fault_text(e);
+    return true;
+  }
+}
+
+}  // namespace
+
+SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,
+                              bool judged, const WorkspaceOptions& options,
+                              const std::function<bool(const Analysis&)>& without_workspace) {
+  SweptVariant v{variant, {}, {}};
+  const bool no_figures = failed(v, [&] {
+    const Spec spec = grid.spec(variants, grid.steps(variant));
+    EffectReport effects = effect_report(spec);
+    v.check.emplace(
+        SpecCheck{unbounded_analysis(spec, std::move(effects), noise_in_motion(spec, options.threads)), {}});
+    Analysis& a = v.check->analysis;
+    if (without_workspace(a)) return;
+    WorkspaceOptions all = options;
+    all.noise_in_motion = a.noise_in_motion;
+    a.workspace = workspace_with_quantization(a.spec.model, filter_norms(a.spec), a.spec.configurations, all);
+  });
+  if (no_figures) v.check.reset();
+  if (v.check && v.check->analysis.workspace.count > 0) judge(v, judged);
+  return v;
+}
+
+void judge(SweptVariant& v, bool judged) {
+  if (!judged) return;
+  const bool undecided = failed(v, [&] {
+    Analysis& a = v.check->analysis;
+    require_known(a.spec, a.effects);
+    add_proofs(a, {}, 1);  // variants are evaluated on all threads
+    v.check->results = requirement_results(a);
+  });
+  if (undecided) v.check->results.clear();
+}
+
+SweptVariant evaluate_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,
+                              bool judged, const WorkspaceOptions& options) {
+  return prepared_variant(variants, grid, variant, judged, options, [](const Analysis&) { return false; });
+}
+
+namespace {
+
+/// Building columns takes the time of about 30 variants.
+constexpr std::uint64_t fewest_sharing = 64;
+/// Bytes of the columns of one robot, in double and float.
+constexpr double most_memory = 4e8, memory_of_number = 24;
+/// Variants that are tried to find one that can be read.
+constexpr std::uint64_t most_tried = 100;
+
+/// Sections on which the columns do not depend.
+bool is_light(const SweepAxis& axis) {
+  constexpr std::array<std::string_view, 6> light{"encoders",  "filters", "requirements",
+                                                  "threshold", "motion",  "effects"};
+  return std::all_of(axis.keys.begin(), axis.keys.end(), [&](const std::string& key) {
+    return std::find(light.begin(), light.end(), key.substr(0, key.find_first_of(".["))) != light.end();
+  });
+}
+
+bool adds_effects(const SweepAxis& axis) {
+  return std::any_of(axis.keys.begin(), axis.keys.end(),
+                     [](const std::string& key) { return key.starts_with("effects"); }) ||
+         std::any_of(axis.steps.begin(), axis.steps.end(), [](const auto& s) { return !s.effects.empty(); });
+}
+
+/// The wanted statistics and those of the requirements; all of them where requirements vary.
+std::vector<const StatisticKind*> with_requirements(std::vector<const StatisticKind*> wanted,
+                                                    const Spec& spec, const SweepGrid& grid) {
+  for (const std::string& key : grid.keys())
+    if (key.starts_with("requirements")) return all_statistics();
+  for (const Requirement& r : spec.requirements)
+    for (const StatisticKind& kind : statistic_kinds())
+      if (kind.value == r.value) wanted.push_back(&kind);
+  return wanted;
+}
+
+}  // namespace
+
+ColumnSweep::ColumnSweep(const SpecVariants& variants, const SweepGrid& grid, bool judged,
+                         std::vector<const StatisticKind*> wanted, unsigned threads)
+    : variants_(variants),
+      grid_(grid),
+      judged_(judged),
+      wanted_(WantedStatistics::of(judged ? with_requirements(std::move(wanted), variants.base(), grid)
+                                          : std::move(wanted))),
+      threads_(threads),
+      first_light_(grid.axes().size()) {
+  while (first_light_ > 0 && is_light(grid.axes()[first_light_ - 1]))
+    shared_ *= grid.axes()[--first_light_].steps.size();
+  if (shared_ < fewest_sharing) shared_ = 1;
+}
+
+std::optional<Spec> ColumnSweep::readable(const std::vector<std::size_t>& steps) const {
+  try {
+    return grid_.spec(variants_, steps);
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
+    return std::nullopt;
+  }
+}
+
+/// The sources of a variant and of those that differ from it in one axis of effects.
+std::vector<IndependentError> ColumnSweep::sources(std::vector<std::size_t> steps) const {
+  std::vector<IndependentError> all;
+  const auto add = [&] {
+    const auto spec = readable(steps);
+    if (!spec) return;
+    append(all, effect_report(*spec).sources);
+  };
+  add();
+  for (std::size_t a = first_light_; a < steps.size(); ++a) {
+    if (!adds_effects(grid_.axes()[a])) continue;
+    const std::size_t own = steps[a];
+    for (steps[a] = 0; steps[a] < grid_.axes()[a].steps.size(); ++steps[a])
+      if (steps[a] != own) add();
+    steps[a] = own;
+  }
+  return all;
+}
+
+std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t group) const {
+  auto result = std::make_shared<Shared>();
+  result->group = group;
+  for (std::uint64_t i = 0; i < std::min(shared_, most_tried); ++i) {
+    const std::vector<std::size_t> steps = grid_.steps(group * shared_ + i);
+    const auto spec = readable(steps);
+    if (!spec) continue;
+    const std::vector<IndependentError> places = sources(steps);
+    const double numbers = static_cast<double>(size(spec->configurations)) *
+                           static_cast<double>(spec->model.coordinates.size()) *
+                           static_cast<double>(spec->model.transmission.encoders.size() + places.size());
+    if (numbers * memory_of_number > most_memory || !have_columns(spec->model, spec->configurations, wanted_))
+      break;
+    result->columns = std::make_unique<ErrorColumns>(spec->model, places, spec->configurations, threads_);
+    result->statistics = std::make_unique<ColumnStatistics>(*result->columns, wanted_, threads_);
+    break;
+  }
+  return result;
+}
+
+std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::shared(std::uint64_t group) const {
+  const std::lock_guard lock(mutex_);
+  if (!last_ || last_->group != group) {
+    last_.reset();  // its memory is free before the next is built
+    last_ = computed(group);
+  }
+  return last_;
+}
+
+namespace {
+
+/// Variants that wait for their bounds.
+struct Waiting {
+  std::vector<SweptVariant*> variants;
+  std::vector<std::vector<Norms>> norms;
+
+  void evaluate(const ErrorColumns& columns, const ColumnStatistics& statistics) {
+    std::vector<ColumnModel> models;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const Analysis& a = variants[i]->check->analysis;
+      models.push_back(
+          {&a.spec.model, &norms[i], error_weights(columns, a.spec.model, norms[i], a.noise_in_motion)});
+    }
+    std::vector<Workspace> results = workspaces(statistics, models);
+    for (std::size_t i = 0; i < variants.size(); ++i)
+      variants[i]->check->analysis.workspace = std::move(results[i]);
+  }
+};
+
+}  // namespace
+
+std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> variants,
+                                                unsigned inner_threads) const {
+  std::vector<SweptVariant> results(variants.size());
+  WorkspaceOptions options;
+  options.threads = inner_threads;
+  if (shared_ == 1) {
+    for (std::size_t i = 0; i < variants.size(); ++i)
+      results[i] = evaluate_variant(variants_, grid_, variants[i], judged_, options);
+    return results;
+  }
+  for (std::size_t begin = 0, end; begin < variants.size(); begin = end) {
+    const std::uint64_t group = variants[begin] / shared_;
+    for (end = begin; end < variants.size() && variants[end] / shared_ == group;) ++end;
+    const auto columns = shared(group);
+    Waiting waiting;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto with_columns = [&](const Analysis& a) {
+        if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations, wanted_)) return false;
+        return std::all_of(a.spec.model.sources.begin(), a.spec.model.sources.end(),
+                           [&](const IndependentError& s) { return columns->columns->has_column(s); });
+      };
+      results[i] = prepared_variant(variants_, grid_, variants[i], judged_, options, with_columns);
+      if (!results[i].check || results[i].check->analysis.workspace.count > 0) continue;
+      waiting.norms.push_back(filter_norms(results[i].check->analysis.spec));
+      waiting.variants.push_back(&results[i]);
+    }
+    if (waiting.variants.empty()) continue;
+    waiting.evaluate(*columns->columns, *columns->statistics);
+    for (SweptVariant* v : waiting.variants) judge(*v, judged_);
+  }
+  return results;
+}
 
 namespace {
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "report/sweep/csv_lines.hpp"
+#include "report/sweep/shards.hpp"
 
 namespace qerr {
 

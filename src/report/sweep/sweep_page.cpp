@@ -1,20 +1,24 @@
 #include "report/sweep/sweep_page.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
-#include "qerr/core/quantity.hpp"
+#include "core/text.hpp"
+#include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/page/markup.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
 
 namespace {
 
-constexpr char end_of_value = '\t', end_of_row = '\n', other_limits = '!';
 constexpr std::size_t most_figures = 24;
 
 /// Whether the requirements of a variant are those of the spec.
@@ -23,13 +27,6 @@ bool same_requirements(const Spec& a, const Spec& b) {
                     b.requirements.end(), [](const Requirement& x, const Requirement& y) {
                       return x.name() == y.name() && x.limit == y.limit && x.at_least == y.at_least;
                     });
-}
-
-std::string written_value(double value) { return std::isnan(value) ? "-" : shortest(value); }
-
-double read_value(const std::string& text) {
-  if (text == "-") return std::numeric_limits<double>::quiet_NaN();
-  return parse_number(text).value_or(std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
@@ -49,9 +46,9 @@ SweepPage::SweepPage(const SpecVariants& variants, const SweepGrid& grid) : vari
 
 void SweepPage::add_figures() {
   const Spec& spec = variants_.base();
-  const auto add = [&](Figure f) {
-    const bool known =
-        std::any_of(figures_.begin(), figures_.end(), [&](const Figure& k) { return k.name == f.name; });
+  const auto add = [&](SweptQuantity f) {
+    const bool known = std::any_of(figures_.begin(), figures_.end(),
+                                   [&](const SweptQuantity& k) { return k.name == f.name; });
     if (!known && figures_.size() < most_figures) figures_.push_back(std::move(f));
   };
   for (std::size_t i = 0; i < spec.requirements.size(); ++i)
@@ -63,36 +60,33 @@ void SweepPage::add_figures() {
       if (is_filtered(f, c)) add({f.name + '.' + c.name + ".sigma max", shown_unit(c.unit, f.filter)});
 }
 
-std::string SweepPage::row(const SweptVariant& v) const {
-  std::vector<double> values(figures_.size(), std::numeric_limits<double>::quiet_NaN());
-  std::string text(1, v.check && !v.check->results.empty() ? (v.check->all_met() ? 'y' : 'n') : '-');
-  if (v.check) {
-    const Analysis& a = v.check->analysis;
-    const Spec& base = variants_.base();
-    // Requirements are compared by their place: they must stand for the same figures.
-    const bool same = a.spec.requirements.size() == base.requirements.size();
-    if (!same_requirements(a.spec, base)) text += other_limits;
-    for (std::size_t i = 0; i < figures_.size() && same; ++i) {
-      const auto r = static_cast<std::size_t>(figures_[i].requirement);
-      if (figures_[i].requirement >= 0 && r < v.check->results.size() &&
-          a.spec.requirements[r].name() == figures_[i].name)
-        values[i] = v.check->results[r].value;
+SweepPage::VariantFigures SweepPage::row(const SweptVariant& v) const {
+  VariantFigures row{'-', false,
+                     std::vector<double>(figures_.size(), std::numeric_limits<double>::quiet_NaN())};
+  if (!v.check) return row;
+  if (!v.check->results.empty()) row.verdict = v.check->all_met() ? 'y' : 'n';
+  const Analysis& a = v.check->analysis;
+  const Spec& base = variants_.base();
+  // Requirements are compared by their place: they must stand for the same figures.
+  const bool same = a.spec.requirements.size() == base.requirements.size();
+  row.other_limits = !same_requirements(a.spec, base);
+  std::map<std::string, double> known;
+  for_each_figure(
+      a, [&](const FigureName& name, const Statistic& s) { known.emplace(name.quantity() + " max", s.max); });
+  for (std::size_t i = 0; i < figures_.size(); ++i) {
+    const auto r = static_cast<std::size_t>(figures_[i].requirement);
+    if (figures_[i].requirement < 0) {
+      if (const auto found = known.find(figures_[i].name); found != known.end())
+        row.values[i] = found->second;
+    } else if (same && r < v.check->results.size() && a.spec.requirements[r].name() == figures_[i].name) {
+      row.values[i] = v.check->results[r].value;
     }
-    std::map<std::string, double> known;
-    for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
-      known.emplace(name.quantity() + " max", s.max);
-    });
-    for (std::size_t i = 0; i < figures_.size(); ++i)
-      if (const auto found = known.find(figures_[i].name);
-          figures_[i].requirement < 0 && found != known.end())
-        values[i] = found->second;
   }
-  for (const double value : values) text += end_of_value + written_value(value);
-  return text + end_of_row;
+  return row;
 }
 
 /// The largest part of a limit that a variant uses; empty where a requirement has none.
-std::optional<double> SweepPage::tightest(const Row& row) const {
+std::optional<double> SweepPage::tightest(const VariantFigures& row) const {
   double largest = -1;
   for (std::size_t i = 0; i < std::min(figures_.size(), row.values.size()); ++i) {
     if (figures_[i].requirement < 0) continue;
@@ -104,7 +98,8 @@ std::optional<double> SweepPage::tightest(const Row& row) const {
   return largest < 0 ? std::nullopt : std::optional(largest);
 }
 
-void SweepPage::take(const Row& row) {
+void SweepPage::add(const VariantFigures& row) {
+  limits_vary_ = limits_vary_ || row.other_limits;
   if (const auto part = tightest(row); part && (!best_ || *part < best_->value)) best_ = {*part, next_};
   judged_ += row.verdict != '-';
   met_ += row.verdict == 'y';
@@ -118,21 +113,225 @@ void SweepPage::take(const Row& row) {
   ++next_;
 }
 
-void SweepPage::add(const std::string& rows) {
-  for (std::size_t begin = 0; begin < rows.size();) {
-    const std::size_t end = rows.find(end_of_row, begin);
-    Row row;
-    row.verdict = rows[begin];
-    limits_vary_ = limits_vary_ || rows[begin + 1] == other_limits;
-    std::size_t from = rows.find(end_of_value, begin);
-    while (from < end) {
-      const std::size_t stop = std::min(rows.find(end_of_value, from + 1), end);
-      row.values.push_back(read_value(rows.substr(from + 1, stop - from - 1)));
-      from = stop;
+namespace {
+
+/// Up to this many points of a picture each has a mark with all its digits.
+constexpr std::size_t most_marks = 250;
+/// Beyond this ratio of the values the small ones would lie on a linear axis.
+constexpr double wide_range = 20;
+
+std::string first_upper(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+/// Words that a narrow column can break: of a dotted path each.
+std::string in_words(std::string path) {
+  std::replace(path.begin(), path.end(), '.', ' ');
+  return path;
+}
+
+}  // namespace
+
+std::string SweepPage::answer() const {
+  std::string text;
+  if (judged_ > 0)
+    text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
+           (met_ == 1 ? " meets" : " meet") + " all requirements";
+  if (best_ && !limits_vary_ && grid_.count() > 1)
+    text += "; variant " + std::to_string(best_->variant) + " wins, with " +
+            page::isolated(grid_.description(best_->variant, short_value)) + ": it takes " +
+            percent(best_->value) + " of its tightest limit";
+  // The first figure that varies says most.
+  std::size_t i = 0;
+  while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
+  if (i == least_.size())
+    i = static_cast<std::size_t>(
+        std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); }) -
+        least_.begin());
+  if (i == least_.size()) return text.empty() ? "No variant has a figure." : text + '.';
+  const Extreme &least = *least_[i], &largest = *largest_[i];
+  if (!text.empty()) text += "; ";
+  const std::string name = page::isolated(figures_[i].name);
+  if (least.value == largest.value)
+    return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
+  return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with " +
+         page::isolated(grid_.description(least.variant, short_value)) + ", and largest, " +
+         readable(largest.value, figures_[i].unit) + ", with " +
+         page::isolated(grid_.description(largest.variant, short_value)) + ".";
+}
+
+std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) const {
+  const SweptQuantity& f = figures_[figure];
+  const SweepAbscissa& a = *drawn.abscissa;
+  page::Plot plot{&drawn == drawn_.data() ? f.name : f.name + " over " + a.key,
+                  "The figure over the values of a key of the spec, one line for each combination of the "
+                  "other keys.",
+                  {page::shortened(a.key, 46), a.unit, a.logarithmic},
+                  {page::shortened(f.name, 46), f.unit},
+                  {}};
+  std::size_t marks = 0;
+  for (const DrawnVariants::Line& line : drawn.lines) marks += figures_.size() * line.variants.size();
+  double least = INFINITY, largest = 0;
+  for (const DrawnVariants::Line& line : drawn.lines) {
+    page::Series series{line.name, {}, marks <= most_marks};
+    for (const std::uint64_t v : line.variants) {
+      const std::vector<double>& values = kept_.at(v).values;
+      const double y = figure < values.size() ? values[figure] : NAN;
+      series.points.emplace_back(drawn.value(grid_, v), y);
+      if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
     }
-    take(row);
-    begin = end + 1;
+    // Combinations of keys that change nothing are one line.
+    const auto same = std::find_if(plot.series.begin(), plot.series.end(),
+                                   [&](const page::Series& s) { return s.points == series.points; });
+    if (same == plot.series.end())
+      plot.series.push_back(std::move(series));
+    else
+      same->name += "; " + series.name;
   }
+  if (!(least <= largest)) return "<p>No variant that is drawn has this figure.</p>";
+  plot.y.logarithmic = least > 0 && largest > wide_range * least;
+  if (f.requirement >= 0 && !limits_vary_) {
+    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+    plot.series.push_back(
+        {std::string("required: at ") + (r.at_least ? "least " : "most ") + readable(r.limit, r.unit),
+         {{a.values[a.order.front()], r.limit}, {a.values[a.order.back()], r.limit}}});
+  }
+  return page::figure(plot);
+}
+
+/// The figure by the key of the abscissa and by the others: the darker, the larger; what misses its
+/// requirement is crossed. "" of one line, and of more cells than a reader, or the page, takes.
+std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) const {
+  constexpr std::size_t most_columns = 16, most_cells = 1500;  // 80 bytes each
+  const std::size_t columns = drawn.lines.front().variants.size(), rows = drawn.lines.size();
+  if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
+  const SweptQuantity& f = figures_[figure];
+  const auto value = [&](std::uint64_t v) {
+    const std::vector<double>& values = kept_.at(v).values;
+    return figure < values.size() ? values[figure] : NAN;
+  };
+  double least = INFINITY, largest = -INFINITY;
+  for (const DrawnVariants::Line& line : drawn.lines)
+    for (const std::uint64_t v : line.variants)
+      if (std::isfinite(value(v))) least = std::min(least, value(v)), largest = std::max(largest, value(v));
+  if (!(least <= largest)) return "";
+  const std::vector<std::string> keys = grid_.keys();
+  const auto key =
+      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn.abscissa->key) - keys.begin());
+  std::vector<std::string> header{drawn.abscissa->key}, rows_of_cells;
+  for (const std::uint64_t v : drawn.lines.front().variants)
+    header.push_back(short_value(grid_.names(v)[key]));
+  const Requirement* limit = f.requirement >= 0 && !limits_vary_
+                                 ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
+                                 : nullptr;
+  for (const DrawnVariants::Line& line : drawn.lines) {
+    std::string row = "<th scope=\"row\">" + page::name_markup(line.name) + "</th>";
+    for (const std::uint64_t v : line.variants) {
+      const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
+      const bool missed = limit && (limit->at_least ? y < limit->limit : y > limit->limit);
+      row += std::isfinite(y)
+                 ? "<td style=\"--p:" + significant(std::round(45 * part), 2) + "%\">" +
+                       (missed ? "\u2717 " : "") + page::escaped_markup(readable(y, f.unit)) + "</td>"
+                 : "<td>-</td>";
+    }
+    rows_of_cells.push_back(row);
+  }
+  return page::table_of("matrix", header, rows_of_cells) +
+         (limit ? "<p>\u2717: the requirement is not met.</p>" : "");
+}
+
+std::string SweepPage::bars(std::size_t figure, const DrawnVariants& drawn) const {
+  const SweptQuantity& f = figures_[figure];
+  page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
+  for (const std::uint64_t v : drawn.lines.front().variants) {
+    const std::vector<double>& values = kept_.at(v).values;
+    if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
+      bars.bars.push_back({grid_.description(v), values[figure], readable(values[figure], f.unit)});
+  }
+  return bars.bars.empty() ? "<p>No variant that is drawn has this figure.</p>" : page::figure(bars);
+}
+
+std::string SweepPage::picture(std::size_t figure, const DrawnVariants& drawn) const {
+  if (!drawn.abscissa) return bars(figure, drawn);
+  const std::string cells = matrix(figure, drawn);
+  return cells.empty() ? plot(figure, drawn)
+                       : "<div class=\"figures\">" + plot(figure, drawn) + "<div>" + cells + "</div></div>";
+}
+
+std::string SweepPage::what_is_drawn(const DrawnVariants& drawn) const {
+  const std::size_t points = drawn.lines.front().variants.size();
+  std::string text;
+  if (drawn.abscissa)
+    text = "Over " + drawn.abscissa->key + (drawn.abscissa->logarithmic ? ", logarithmic. " : ". ");
+  if (drawn.lines.size() < drawn.lines_in_all)
+    text += std::to_string(drawn.lines.size()) + " of " + std::to_string(drawn.lines_in_all) +
+            " combinations of the other keys are drawn, evenly spread over the grid. ";
+  if (points < drawn.points_in_all)
+    text += std::to_string(points) + " of " + std::to_string(drawn.points_in_all) +
+            (drawn.abscissa ? " values of the key" : " variants") + " are drawn, evenly spread. ";
+  if (limits_vary_) text += "The sweep changes the requirements, so that no limit is drawn. ";
+  return text.empty() ? "" : "<p>" + page::escaped_markup(text) + "</p>";
+}
+
+std::string SweepPage::table() const {
+  constexpr std::size_t columns = 4, most_bytes = 60'000;
+  const std::size_t shown_figures = std::min(columns, figures_.size());
+  std::vector<std::string> header{"variant"};
+  for (const std::string& key : grid_.keys()) header.push_back(in_words(key));
+  for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(in_words(figures_[i].name));
+  if (judged_ > 0) header.emplace_back("met");
+  TableRows rows;
+  std::size_t bytes = 0;
+  for (const auto& [variant, row] : kept_) {
+    if (variant != rows.size()) break;  // rows beyond the first ones are kept for the pictures only
+    std::vector<std::string> cells{std::to_string(variant)};
+    for (const std::string& value : grid_.names(variant)) cells.push_back(short_value(value));
+    for (std::size_t i = 0; i < shown_figures; ++i) {
+      const double value = i < row.values.size() ? row.values[i] : NAN;
+      cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
+    }
+    if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
+    if (judged_ > 0 && best_ && !limits_vary_ && variant == best_->variant) cells.back() += ", wins";
+    for (const std::string& cell : cells) bytes += cell.size() + 20;
+    if (bytes > most_bytes) break;
+    rows.push_back(std::move(cells));
+  }
+  std::string out = page::table(header, rows);
+  if (rows.size() < grid_.count())
+    out += "<p>The first " + std::to_string(rows.size()) + " of " +
+           counted(static_cast<std::size_t>(grid_.count()), "variant") +
+           ": the CSV of the sweep has all.</p>";
+  if (shown_figures < figures_.size())
+    out += "<p>The other figures are drawn above, and in the CSV of the sweep.</p>";
+  return out;
+}
+
+std::string SweepPage::text(const SweepOutcome& outcome) const {
+  constexpr std::size_t most_spec = 40'000;
+  std::vector<std::pair<std::string, std::string>> keys;
+  for (const DrawnVariants& drawn : drawn_) {
+    std::vector<std::pair<std::string, std::string>> pictures;
+    for (std::size_t i = 0; i < figures_.size(); ++i)
+      pictures.emplace_back(figures_[i].name, picture(i, drawn));
+    keys.emplace_back(drawn.abscissa ? drawn.abscissa->key : "",
+                      what_is_drawn(drawn) + page::choice("Figure", pictures));
+  }
+  const Spec& spec = variants_.base();
+  page::Page page{"Sweep of " + spec.robot_name,
+                  answer(),
+                  {{"Figures over the keys", page::choice("Over", keys)}, {"Variants", table()}}};
+  for (const std::string& warning : spec.warnings)
+    if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
+  page.warnings.insert(page.warnings.end(), outcome.faults.begin(), outcome.faults.end());
+  if (outcome.counts.failed > 0)
+    page.warnings.push_back(counted(static_cast<std::size_t>(outcome.counts.failed), "variant") +
+                            " cannot be computed or judged; the lines have gaps there");
+  describe(page, spec, std::nullopt);
+  page.spec_text = spec.text.size() <= most_spec
+                       ? spec.text
+                       : spec.text.substr(0, spec.text.rfind('\n', most_spec)) + "\n... (cut)\n";
+  return markup(page);
 }
 
 }  // namespace qerr

@@ -18,21 +18,22 @@ class SweepPage {
  public:
   SweepPage(const SpecVariants&, const SweepGrid&);
 
+  /// The figures of a variant, NaN where it has none.
+  struct VariantFigures {
+    char verdict = '-';         ///< of its requirements: y met, n not, - not judged
+    bool other_limits = false;  ///< its requirements are not those of the spec
+    std::vector<double> values = {};
+  };
+
   /// The figures of a variant, to be given to `add` in order; called on any thread.
-  std::string row(const SweptVariant&) const;
-  /// @param rows  of one or several variants
-  void add(const std::string& rows);
+  VariantFigures row(const SweptVariant&) const;
+  void add(const VariantFigures&);
   std::string text(const SweepOutcome&) const;
 
  private:
-  struct Figure {
+  struct SweptQuantity {
     std::string name, unit;
     std::ptrdiff_t requirement = -1;  ///< of the spec; -1: a figure by its name
-  };
-  /// The figures of a variant, NaN where it has none.
-  struct Row {
-    char verdict = '-';  ///< of its requirements: y met, n not, - not judged
-    std::vector<double> values;
   };
   struct Extreme {
     double value = 0;
@@ -40,8 +41,7 @@ class SweepPage {
   };
 
   void add_figures();
-  void take(const Row&);
-  std::optional<double> tightest(const Row&) const;
+  std::optional<double> tightest(const VariantFigures&) const;
   std::string answer() const;
   std::string picture(std::size_t figure, const DrawnVariants&) const;
   std::string plot(std::size_t figure, const DrawnVariants&) const;
@@ -52,10 +52,11 @@ class SweepPage {
 
   const SpecVariants& variants_;
   const SweepGrid& grid_;
-  std::vector<Figure> figures_;
+  std::vector<SweptQuantity> figures_;
   std::vector<DrawnVariants> drawn_;
-  std::map<std::uint64_t, Row> kept_;  ///< rows that are drawn or in the table; empty until they are added
-  std::uint64_t next_ = 0;             ///< number of the variant that is added next
+  std::map<std::uint64_t, VariantFigures>
+      kept_;                ///< rows that are drawn or in the table; empty until they are added
+  std::uint64_t next_ = 0;  ///< number of the variant that is added next
   std::uint64_t met_ = 0, judged_ = 0;
   std::vector<std::optional<Extreme>> least_, largest_;  ///< of every figure
   std::optional<Extreme> best_;                          ///< that uses the least part of its tightest limit

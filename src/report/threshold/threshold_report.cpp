@@ -3,6 +3,7 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/csv_text.hpp"
 #include "report/formats.hpp"
 #include "report/json_header.hpp"
@@ -26,11 +27,8 @@ Eigen::VectorXd largest_arms(const Spec& spec, unsigned threads) {
 double sample_rate_of(const Spec& spec) {
   for (const NamedFilter& f : spec.filters)
     if (f.filter.derivative > 0) return f.filter.sample_rate;
-  throw Error({{spec.file, 1, 1},
-               "filters",
-               "a threshold velocity needs the sample rate of a derivative filter",
-               "",
-               "add filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}"});
+  throw spec_error(spec, "filters", "a threshold velocity needs the sample rate of a derivative filter", "",
+                   "add filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}");
 }
 
 /// What an encoder moves, in metres per radian (or metre) of it.
@@ -78,11 +76,9 @@ ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
   }
   constexpr double rounding = 1e-12;  // [m/rad] of an arm whose tip is on the axis
   if (!spec.threshold_length && !(arms.maxCoeff() > rounding))
-    throw Error({{spec.file, 1, 1},
-                 "threshold.length",
-                 "no joint moves the position of the tip: it has no threshold velocity",
-                 "",
-                 "add threshold: {length: 300 mm}, the distance of a point from the axis"});
+    throw spec_error(spec, "threshold.length",
+                     "no joint moves the position of the tip: it has no threshold velocity", "",
+                     "add threshold: {length: 300 mm}, the distance of a point from the axis");
   return best;
 }
 
@@ -123,8 +119,8 @@ std::string couplings(const ThresholdReport& report, std::size_t width) {
 }  // namespace
 
 std::string to_table(const ThresholdReport& report, const Style& style) {
-  std::vector<std::vector<std::string>> cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution",
-                                               "threshold", "l/(nG) as printed", "as printed"}};
+  TableRows cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution", "threshold",
+                   "l/(nG) as printed", "as printed"}};
   for (const ThresholdRow& r : report.rows)
     cells.push_back({escaped(r.robot, 40), significant(r.counts_per_rev, 7), significant(r.gear_ratio, 7),
                      readable(r.length, "m"), readable(r.sample_rate, "Hz"), readable(r.resolution, "m"),

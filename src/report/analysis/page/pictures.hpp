@@ -1,11 +1,38 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/page/sample.hpp"
 
 namespace qerr {
+
+/// Figures at single configurations of an analysis, for pictures: of all, or of so many that a picture does
+/// not show the difference.
+struct ConfigurationSample {
+  std::uint64_t of = 0;                    ///< configurations of the analysis
+  std::vector<Eigen::VectorXd> q;          ///< [rad or m]
+  std::vector<Eigen::Vector3d> tips;       ///< in the base frame [m]
+  std::vector<std::vector<double>> worst;  ///< [coordinate or length][configuration]: worst case
+  std::vector<double> trace;               ///< [configuration]: variance of the position
+  /// [figure]: values of `for_each_figure` in its order; sorted.
+  std::vector<std::vector<double>> distributions;
+
+  bool complete() const { return q.size() == of; }
+};
+
+/// At most so many: the standard error of a percentage is then below 0.3 %, half a pixel.
+inline constexpr std::uint64_t most_sampled = std::uint64_t{1} << 15;
+
+/// Configurations to draw, equal for any number of threads: the first ones of Sobol's sequence and of random
+/// points, which are spread like all of them; of a grid and of a list one at random of each of equally many
+/// parts.
+ConfigurationSample configuration_sample(const Analysis&);
+
+/// "" of a complete sample, else how many of the configurations it has.
+std::string sampled_note(const ConfigurationSample&);
 
 /// Pictures of the page of `analyze`, as markup.
 

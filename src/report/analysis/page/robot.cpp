@@ -6,10 +6,10 @@
 
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "qerr/core/quantity.hpp"
 #include "report/analysis/page/pictures.hpp"
 #include "report/json_value.hpp"
 #include "report/page/heat_map.hpp"
+#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 
 namespace qerr {

@@ -6,10 +6,8 @@
 
 #include "core/statistics.hpp"
 #include "core/text.hpp"
-#include "report/diagnosis/page/pictures.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

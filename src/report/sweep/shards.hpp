@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "report/sweep/run_record.hpp"
+#include "report/sweep/run_sweep.hpp"
 
 namespace qerr {
 
@@ -83,5 +85,14 @@ class ShardLines {
   char verdict_ = 0;
   bool whole_ = false;
 };
+
+/// Joins the files of all shards of a sweep, each of which is read once: it may be a pipe.
+/// @param expected  the record of the sweep of which they must be; null: they are compared with each other
+/// @param write     is called with the bytes that one run would have written, in order
+/// @returns the counts of all variants
+/// @throws Error (input) naming the files, if one is torn, changed, given twice or of another sweep, or if
+/// one is missing; (file_system) if one cannot be read
+SweepCounts merge_shards(const std::vector<std::string>& files, const RunRecord* expected,
+                         const std::function<void(const std::string&)>& write);
 
 }  // namespace qerr
