@@ -254,6 +254,9 @@ std::string UrdfReader::read_coupling(const std::string& type, const UrdfElement
     reductions[i] = *joint;
     stated.ratios[i] = *motor;
   }
+  stated.coupling = *coupling_of(type, reductions[0], reductions[1]);
+  const std::string obstacle = obstacle_to_coupling(stated);
+  if (!obstacle.empty()) return obstacle;
   const auto have_roles = [](const std::vector<const UrdfElement*>& parts) {
     return word_of(*parts[0], "role").ends_with('1') && word_of(*parts[1], "role").ends_with('2');
   };
@@ -261,10 +264,8 @@ std::string UrdfReader::read_coupling(const std::string& type, const UrdfElement
     flaws_.warn(transmission, transmission.title(),
                 "no roles say which joint and which actuator is the first: taken in their order", "",
                 "ROS requires joint1, joint2, actuator1 and actuator2");
-  stated.coupling = *coupling_of(type, reductions[0], reductions[1]);
-  std::string obstacle = obstacle_to_coupling(stated);
-  if (obstacle.empty()) model.couplings.push_back(std::move(stated));
-  return obstacle;
+  model.couplings.push_back(std::move(stated));
+  return "";
 }
 
 std::string UrdfReader::obstacle_to_coupling(const StatedCoupling& stated) const {

@@ -20,7 +20,7 @@ Diagnosis of_table(int rows, double resolution, const Column& error) {
   m.path = Column::LinSpaced(rows, 0, (rows - 1) * turn / rows);
   return diagnose(
       model_of(m), {}, {},
-      log_of({{LogSignal::counts, m.counted(m.path + error), 0}, {LogSignal::reference, m.path}}));
+      qerr::log_of({{LogSignal::counts, m.counted(m.path + error), 0}, {LogSignal::reference, m.path}}));
 }
 
 TEST(UncataloguedShapes, ATableOfEvenStepsShowsNoOrderAboveHalfItsRows) {
@@ -46,8 +46,9 @@ TEST(UncataloguedShapes, AnOrderWhoseAmplitudeVariesIsNoOrderOfTheCatalogue) {
     const double order = std::floor(m.between(30, 90)) + m.between(0.3, 0.7),
                  size = m.between(3, 20) * m.resolution, phase = m.between(0, turn);
     const Column load = (m.path + m.between(0.8, 1.2)).sin();
-    const Diagnosis d = diagnose(model_of(m), {}, {},
-                                 log_of(m, m.counted(m.path + size * load * (order * m.path + phase).sin())));
+    const Diagnosis d =
+        diagnose(model_of(m), {}, {},
+                 qerr::log_of(m, m.counted(m.path + size * load * (order * m.path + phase).sin())));
     named += !d.causes.empty();
     EXPECT_FALSE(d.causes.empty() && d.unexplained.empty()) << seed;
   }
@@ -61,8 +62,8 @@ TEST(UncataloguedShapes, AnOrderOfConstantAmplitudeKeepsItsName) {
     Machine m(800 + seed);
     const double order = std::floor(m.between(30, 90)), size = m.between(3, 20) * m.resolution,
                  phase = m.between(0, turn);
-    const Diagnosis d =
-        diagnose(model_of(m), {}, {}, log_of(m, m.counted(m.path + size * (order * m.path + phase).sin())));
+    const Diagnosis d = diagnose(model_of(m), {}, {},
+                                 qerr::log_of(m, m.counted(m.path + size * (order * m.path + phase).sin())));
     right += d.causes.size() == 1 && d.causes[0].effect.type == "transmission_error" &&
              d.causes[0].effect.number("order") == order;
   }
@@ -73,7 +74,7 @@ TEST(UncataloguedShapes, AChangeInProportionToTimeHasARate) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Machine m(900 + seed);
     const double rate = m.between(5, 40) * m.resolution * m.rate / m.rows;
-    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(m.path + rate * m.time)));
+    const Diagnosis d = diagnose(model_of(m), {}, {}, qerr::log_of(m, m.counted(m.path + rate * m.time)));
     ASSERT_EQ(d.unexplained.size(), 1U) << seed;
     const auto found = d.unexplained[0].figures.find("rate");
     ASSERT_NE(found, d.unexplained[0].figures.end()) << d.unexplained[0].what;
@@ -86,8 +87,9 @@ TEST(UncataloguedShapes, AChangeInProportionToTimeHasARate) {
 TEST(UncataloguedShapes, DoNotRaiseWhatQuantizationAndNoiseLeave) {
   Machine m(41);
   m.noise = 0.05 * m.resolution;
-  const Diagnosis d = diagnose(
-      model_of(m), {}, {}, log_of(m, m.counted(m.path + 20 * m.resolution * (0.11 * m.rate * m.time).sin())));
+  const Diagnosis d =
+      diagnose(model_of(m), {}, {},
+               qerr::log_of(m, m.counted(m.path + 20 * m.resolution * (0.11 * m.rate * m.time).sin())));
   EXPECT_NEAR(d.gain.counts_after / d.gain.sigma_ratio, std::sqrt(1 / 12.0 + 0.05 * 0.05), 0.02);
 }
 
@@ -103,11 +105,11 @@ TEST(UncataloguedShapes, ACouplingLeftOutFollowsTheOtherJoint) {
   model.chain.independent.push_back(joint);
   model.transmission.encoders.push_back({second.resolution});
   model.transmission.coupling = Eigen::MatrixXd::Identity(2, 2);
-  Log log = log_of({{LogSignal::time, first.time},
-                    {LogSignal::counts, first.counted(first.path), 0},
-                    {LogSignal::reference, first.reference()},
-                    {LogSignal::counts, second.counted(second.path + factor * first.path), 0},
-                    {LogSignal::reference, second.reference()}});
+  Log log = qerr::log_of({{LogSignal::time, first.time},
+                          {LogSignal::counts, first.counted(first.path), 0},
+                          {LogSignal::reference, first.reference()},
+                          {LogSignal::counts, second.counted(second.path + factor * first.path), 0},
+                          {LogSignal::reference, second.reference()}});
   log.columns[3].index = log.columns[4].index = 1;
   const Diagnosis d = diagnose(model, {}, {}, std::move(log));
   ASSERT_EQ(d.unexplained.size(), 1U);
