@@ -95,32 +95,7 @@ struct FitWeights {
     curvature = 2 * row(powers, 2) / (scale * scale);
   }
 
-  /// The derivatives at sample `at` of the polynomial through all samples: of a sine of p samples a period
-  /// the first one of nine samples is short by (2 pi/p)^8/630. Empty if stamps coincide.
-  static std::optional<FitWeights> interpolating(const Eigen::VectorXd& times, Eigen::Index at) {
-    const Eigen::Index n = times.size();
-    const double scale = times[n - 1] - times[0];
-    // Barycentric weights; Berrut and Trefethen, "Barycentric Lagrange interpolation", SIAM Review 46 (2004).
-    Eigen::ArrayXd product = Eigen::ArrayXd::Ones(n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index j = 0; j < n; ++j)
-        if (i != j) product[i] *= (times[i] - times[j]) / scale;
-    if (!(product.abs().minCoeff() > 1e-9)) return std::nullopt;
-    FitWeights w;
-    w.value = Eigen::VectorXd::Unit(n, at);
-    w.slope = w.curvature = Eigen::VectorXd::Zero(n);
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (j != at) w.slope[j] = product[at] / product[j] / (times[at] - times[j]);
-    w.slope[at] = -w.slope.sum();
-    for (Eigen::Index j = 0; j < n; ++j)
-      if (j != at) w.curvature[j] = 2 * w.slope[j] * (w.slope[at] - 1 / (times[at] - times[j]));
-    w.curvature[at] = -w.curvature.sum();
-    return w;
-  }
-
  private:
-  FitWeights() = default;
-
   /// Row of (P^T P)^-1 P^T. The small ridge gives samples with equal stamps equal weight.
   static Eigen::VectorXd row(const Eigen::MatrixXd& powers, Eigen::Index which) {
     Eigen::MatrixXd normal = powers.transpose() * powers;
@@ -205,34 +180,6 @@ class Window {
   FitWeights common_;  ///< of windows without gaps
 };
 
-/// The recorded positions, with derivatives of the polynomial through nine samples: of a motion that is too
-/// fast for the rows, a local cubic gives a velocity that is too small.
-SmoothPath interpolated_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double interval,
-                             double noise) {
-  const Eigen::Index n = x.size(), h = std::min<Eigen::Index>(4, (n - 1) / 2), width = 2 * h + 1;
-  SmoothPath out{x, Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), noise, noise};
-  std::optional<FitWeights> common, own;
-  if (interval > 0)
-    common = FitWeights::interpolating(
-        interval * Eigen::VectorXd::LinSpaced(width, 0, static_cast<double>(width - 1)), h);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index first = std::clamp(k - h, Eigen::Index{0}, n - width);
-    const double span = time[first + width - 1] - time[first];
-    const bool usual = common && first == k - h &&
-                       std::abs(span - static_cast<double>(width - 1) * interval) < 1e-3 * interval;
-    if (!usual) {
-      const Eigen::VectorXd stamps = time.segment(first, width) - time[first];
-      own = FitWeights::interpolating(stamps, k - first);
-      if (!own) own.emplace(stamps, stamps[k - first]);
-    }
-    const FitWeights& here = usual ? *common : *own;
-    const auto window = (x.segment(first, width) - x[k]).matrix();
-    out.velocity[k] = here.slope.dot(window);
-    out.acceleration[k] = here.curvature.dot(window);
-  }
-  return out;
-}
-
 }  // namespace
 
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
@@ -240,23 +187,20 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
   return std::max(noise_of(time, recorded, log_resolution), log_resolution / std::sqrt(12.0));
 }
 
-SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
-                       bool of_counts) {
+SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   const Eigen::Index n = recorded.size();
   if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), {}, 0, 0};
   const double noise = noise_of_path(time, recorded, log_resolution);
   const double interval = common_interval(time);
   std::optional<Window> widest;
-  bool fast = !of_counts;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
     Window next(time, recorded, h, interval);
     if (widest && next.residual_noise() > distorted * noise) break;
-    fast = fast && !widest;
     widest.emplace(std::move(next));
   }
   if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), {}, noise, noise};
-  return fast ? interpolated_path(time, recorded, interval, noise) : widest->path(noise);
+  return widest->path(noise);
 }
 
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold) {

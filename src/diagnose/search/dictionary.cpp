@@ -48,7 +48,6 @@ class Candidates {
       add_in_time();
       add_hystereses();
     }
-    add_couplings();
     if (!e_.is_stationary()) add_in_position();
     return std::move(found_);
   }
@@ -160,20 +159,16 @@ class Candidates {
         add(std::move(t), family, 2 * order,
             [order, of_encoder](const Sampling& s) { return periodic_term(s.evidence, order, of_encoder); });
       }
-      const std::string family =
-          r.whole ? qerr::family_of_order(r.value) : "free order " + significant(r.value, 6);
-      if (has_slow_load(e_))
-        add_plain(family, std::max(2.0, r.hypotheses),
-                  [value = r.value](const RecordSignals& s) { return varying_order_term(s, value); });
       if (r.whole) continue;
       Term free = free_order_term(e_, r.value);
       free.pattern = Shape::order;
       if (free.along && moved_.size() > 0) free = free.along(e_, free, moved_);
-      add(std::move(free), family, r.hypotheses, [value = r.value](const Sampling& s) {
-        Term t = free_order_term(s.evidence, value);
-        t.pattern = Shape::order;
-        return t;
-      });
+      add(std::move(free), "free order " + significant(r.value, 6), r.hypotheses,
+          [value = r.value](const Sampling& s) {
+            Term t = free_order_term(s.evidence, value);
+            t.pattern = Shape::order;
+            return t;
+          });
     }
   }
 
@@ -211,20 +206,11 @@ class Candidates {
         return transition_term(s, event.approach_start, event.time_constant);
       });
     }
-    add_plain("time", 1, [](const RecordSignals& s) { return steady_change_term(s); });
     for (const int degree : {2, 3, 4, 5})
       add_plain("time", 8, [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
     for (const Eigen::Index knots : {10, 20, 40})
       if (e_.rows() > 8 * knots)
         add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
-  }
-
-  void add_couplings() {
-    const auto& others = s_.record->others;
-    for (std::size_t i = 0; i < others.size(); ++i)
-      add_history("coupling " + others[i]->joint, "coupling", static_cast<double>(i),
-                  static_cast<double>(others.size()),
-                  [i](const Sampling& s) { return coupling_term(s, *s.record->others[i]); });
   }
 
   bool is_one_sweep() const {

@@ -37,31 +37,11 @@ double gain_of(const Term& t, const Eigen::ArrayXd& scores, const Eigen::ArrayXd
   return gain;
 }
 
-/// Distance of the positions of a table whose steps are even, which passages may repeat; 0 where they differ
-/// by more than a fifth, as those of random poses do: these resolve any order.
-double even_step(const Eigen::ArrayXd& path) {
-  std::vector<double> sorted(path.begin(), path.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double range = sorted.back() - sorted.front();
-  double count = 0, sum = 0, squares = 0;
-  for (std::size_t k = 1; k < sorted.size(); ++k) {
-    const double step = sorted[k] - sorted[k - 1];
-    if (step * 8 * static_cast<double>(sorted.size()) < range) continue;  // the same position once more
-    ++count, sum += step, squares += step * step;
-  }
-  if (count < 2) return 0;
-  const double mean = sum / count;
-  return squares / count - mean * mean < 0.04 * mean * mean ? mean : 0;
-}
-
 /// The order that the motion still resolves: a period of four counts, and two rows a period in nine tenths
-/// of the motion. At a constant speed, or in even steps, an order beyond that is the alias of another.
+/// of the motion. At a constant speed an order beyond that is the alias of another.
 double highest_order(const Evidence& record) {
   const double of_counts = 0.5 * std::numbers::pi / record.step();
-  if (record.rows() < 3) return of_counts;
-  if (const double step = record.ordered ? 0 : even_step(record.path); step > 0)
-    return std::min(of_counts, std::numbers::pi / step);
-  if (!record.ordered) return of_counts;
+  if (!record.ordered || record.rows() < 3) return of_counts;
   const Eigen::Index n = record.rows() - 1, stride = std::max<Eigen::Index>(1, n / 20000);
   std::vector<double> moved;
   for (Eigen::Index k = 0; k < n; k += stride)
@@ -283,40 +263,6 @@ bool is_no_whole_number(const ErrorModel& m, const Choice& c, std::size_t i) {
   return !(information > 0) || 1.96 * std::sqrt(m.scale(c) / information) > 0.25;
 }
 
-/// Whether one order whose amplitude varies has nine tenths of what two orders explain together.
-bool are_one_order(const ErrorModel& m, const Choice& c, std::size_t i, std::size_t k, double order_i,
-                   double order_k) {
-  const Term &first = m.term(c.chosen[i]), &second = m.term(c.chosen[k]);
-  Eigen::ArrayXXd columns(first.columns.rows(), first.size() + second.size());
-  columns << first.columns, second.columns;
-  const Eigen::ArrayXd both = c.residual + addition(first, m.coefficients(c.chosen, c.fit, i)) +
-                              addition(second, m.coefficients(c.chosen, c.fit, k));
-  const double of_two = m.gain(with_columns(first, std::move(columns)), both);
-  constexpr int between = 4;
-  for (int part = 0; part <= between; ++part)
-    if (m.gain(varying_order_term(m.sampled(), order_i + part * (order_k - order_i) / between), both) >
-        0.9 * of_two)
-      return true;
-  return false;
-}
-
-/// Whether another chosen order is so near that the record does not resolve the two, within the main lobe of
-/// its range, which is two spacings; and they are one order of varying amplitude, or do not explain
-/// everything.
-bool is_beside_order(const ErrorModel& m, const Choice& c, std::size_t i) {
-  const auto order = [&](std::size_t k) {
-    const Term& t = m.term(c.chosen[k]);
-    return !t.harmonic ? 0 : t.named() ? std::abs(wave_number(t.effect, m.sampled().encoder)) : t.shape;
-  };
-  const double here = order(i), lobe = 4 * std::numbers::pi / m.sampled().range();
-  if (!m.term(c.chosen[i]).named() || here < lobe || !has_slow_load(m.sampled())) return false;
-  for (std::size_t k = 0; k < c.chosen.size(); ++k)
-    if (k != i && order(k) >= lobe && std::abs(order(k) - here) < lobe &&
-        (!m.is_complete(c.chosen) || are_one_order(m, c, i, k, here, order(k))))
-      return true;
-  return false;
-}
-
 /// Whether a name explains as much in many other places of the record: its columns, shifted in time, fit what
 /// the others leave as well as where they belong. So does any curve a slow error that has nothing to do with
 /// it. A shift by a period of the motion changes nothing, and is left out.
@@ -354,7 +300,7 @@ std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) 
   std::vector<std::string> families;
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
-        is_part_of_curve(m, c, i) || is_beside_order(m, c, i) || fits_anywhere(m, c, i))
+        is_part_of_curve(m, c, i) || fits_anywhere(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
 }

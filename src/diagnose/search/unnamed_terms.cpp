@@ -75,13 +75,6 @@ Term position_polynomial_term(const RecordSignals& s, int degree) {
   return unnamed_term(s, Shape::unknown, "a curved function of the position", legendre(s.path, degree));
 }
 
-Term steady_change_term(const RecordSignals& s) {
-  Term t = unnamed_term(s, Shape::unknown, "changes steadily in time", s.time);
-  t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["rate"] = c[0]; };
-  t.next = "look for lost remainders of a conversion, a leak of an integrator, or clocks that differ";
-  return t;
-}
-
 Term time_polynomial_term(const RecordSignals& s, int degree) {
   return unnamed_term(s, Shape::unknown, "changes slowly in time", legendre(s.time, degree));
 }
@@ -93,33 +86,6 @@ Term loaded_order_term(const RecordSignals& s, double order) {
   loaded.effect.numbers["order"] = order;
   loaded.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["amplitude"] = std::hypot(c[0], c[1]); };
   return loaded;
-}
-
-Term varying_order_term(const RecordSignals& s, double order) {
-  const Term even = free_order_term(s, order);
-  const Eigen::ArrayXd along = (s.path - s.path.mean()) / std::max(1e-300, 0.5 * s.range());
-  Eigen::ArrayXXd columns(s.rows(), 4);
-  columns << even.columns, even.columns.colwise() * along;
-  Term t = unnamed_term(s, Shape::order, "periodic in the position, with an amplitude that varies along it",
-                        std::move(columns));
-  t.effect.numbers["order"] = t.shape = order;
-  t.half_width = even.half_width;
-  t.harmonic = true;
-  t.next = "record the effort: the error of teeth grows with the load, and an arm's load with its position";
-  t.reshaped = [](const RecordSignals& record, const Term&, double shape) {
-    return varying_order_term(record, shape);
-  };
-  return t;
-}
-
-bool has_slow_load(const RecordSignals& s) { return s.prismatic || s.range() < std::numbers::pi; }
-
-Term coupling_term(const Sampling& s, const Evidence& other) {
-  Term t = unnamed_term(s.evidence, Shape::unknown, "follows the angle of " + other.joint,
-                        s.averaged(other.path - other.path.mean()));
-  t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; };
-  t.next = "the drive moves one joint with another: state the transmission's coupling in the spec";
-  return t;
 }
 
 Term vibration_term(const RecordSignals& s, double frequency) {
