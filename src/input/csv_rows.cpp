@@ -7,7 +7,6 @@
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
-#include "input/log_names.hpp"
 #include "qerr/core/quantity.hpp"
 
 /// The rows of a table. The fast path reads rows of unquoted numbers in one pass without a copy; a row with
@@ -305,17 +304,6 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
   return text;
 }
 
-namespace {
-
-/// The unit behind the number of a cell, `deg` of `12.5 deg` or `12.5\u00b0`; "" if there is none.
-std::string unit_of(const std::string& cell) {
-  const std::size_t end = cell.find_last_of("0123456789.") + 1;
-  if (end == 0 || !is_numeric(cell.substr(0, end), '.')) return "";
-  return unit_in_words(trimmed(cell.substr(end)));
-}
-
-}  // namespace
-
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
   if (limits_.empty_cells && is_missing(cell.text)) {
     value = no_number;
@@ -326,17 +314,18 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
   begin += *begin == '+' && begin[1] != '-';
   const char* const end = read_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + ended.size() - 1) return;
+  const std::string unit = number_and_unit(cell.text).unit;
   throw Error({place_at(cell.begin), header_[chosen_[chosen]],
                cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
                cell.text.empty() ? "" : "'" + cell.text + "'",
                cell.text.find("\u00b0") != std::string::npos && cell.text.find('\'') != std::string::npos
                    ? "write degrees, minutes and seconds as decimal degrees, 12.582417 in a column '" +
                          column_name(header_[chosen_[chosen]]).name + " [deg]'"
-               : unit_of(cell.text).empty()
+               : unit.empty()
                    ? "write a plain number, or leave the row out" +
                          (is_missing(cell.text) ? limits_.empty_remedy : "")
                    : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name +
-                         " [" + unit_of(cell.text) + "]', and plain numbers"});
+                         " [" + unit + "]', and plain numbers"});
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {

@@ -44,8 +44,8 @@ constexpr RoleWords role_words[]{
      "laser posicion posici\u00f3n posizione angulo \u00e1ngulo angolo referencia riferimento skala scale "},
 };
 
-/// Of two positions of a joint the one nearer to the load is the reference, or that of a sensor which is no
-/// part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
+/// The reference is the one of two positions of a joint that is nearer to the load, or that of a sensor which
+/// is no part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
 constexpr std::string_view motor_words =
     " motor rotor drive enc encoder geber codeur codificador input primary theta hall actuator ";
 constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";

@@ -197,12 +197,11 @@ class ColumnFinder {
       far += std::abs(*value) > farthest;
     }
     if (far == 0) return;
-    const std::string unit = dimension_of(known, spec_.model.chain) == dimension::length ? "mm" : "deg";
+    const Dimension d = dimension_of(known, spec_.model.chain);
     throw Error({header.place, header.text,
-                 "whole numbers beyond 1000 " + unit_name(dimension_of(known, spec_.model.chain)) +
-                     " without a unit: are they counts?",
-                 "",
-                 "write what one of them is behind the name: '" + header.text + " [360/4096 " + unit + "]'"});
+                 "whole numbers beyond 1000 " + unit_name(d) + " without a unit: are they counts?", "",
+                 "write what one of them is behind the name: '" + header.text +
+                     (d == dimension::length ? " [0.001 mm]'" : " [360/4096 deg]'")});
   }
 
   /// Positions that the log lacks, and that an ignored column is nearly called.

@@ -140,10 +140,13 @@ class MappingGuess {
     const bool position = signal.ends_with(".measured") || signal.ends_with(".reference");
     if (!position || unit.empty()) return "";
     const auto j = signal_joint(signal);
-    if (has_dimension(unit, j && joint(*j).prismatic() ? dimension::length : dimension::angle)) return "";
-    const std::string whole =
-        unit == "count" ? "in counts" : "the unit " + quoted(unit) + " is none of an angle or length";
-    return whole + ": write what one of it is behind the name, such as [360/4096 deg]";
+    const bool prismatic = j && joint(*j).prismatic();
+    if (has_dimension(unit, prismatic ? dimension::length : dimension::angle)) return "";
+    const std::string what =
+        unit == "count" ? "in counts"
+                        : "the unit " + quoted(unit) + " is none of " + (prismatic ? "a length" : "an angle");
+    return what + ": write what one of it is behind the name, such as [" +
+           (prismatic ? "0.001 mm" : "360/4096 deg") + ']';
   }
 
   std::optional<std::size_t> signal_joint(const std::string& signal) const {
@@ -198,8 +201,8 @@ class MappingGuess {
     if (joints == 1) find_pair();
   }
 
-  /// Of a single joint: the only two columns that follow each other, `ch1` and `ch2`, where no name says
-  /// more.
+  /// Gives the positions of a single joint to the only two columns that follow each other, `ch1` and `ch2`,
+  /// where no name says more.
   void find_pair() {
     const auto is_position = [](const GuessedColumn& c) {
       return c.role == ColumnRole::position || c.role == ColumnRole::counts;
@@ -236,9 +239,9 @@ class MappingGuess {
     for (const auto& [column, joint] : named) column->joint = joint;
   }
 
-  /// Of a table without header: the first column that rises is the time, the others are the joints in order;
-  /// where cells of a row say the joints' names, as `ros2 topic echo --csv` of a JointState writes them,
-  /// their positions are behind the names.
+  /// Names the columns of a table without header: the first column that rises is the time, the others are the
+  /// joints in order; where cells of a row say the joints' names, as `ros2 topic echo --csv` of a JointState
+  /// writes them, their positions are behind the names.
   void number_joints() {
     const std::size_t joints = spec_.model.chain.independent.size();
     std::vector<std::string> header;
@@ -259,7 +262,8 @@ class MappingGuess {
       const bool rises =
           std::is_sorted(c.values.begin(), c.values.end()) && c.values.front() < c.values.back();
       if (next == 0 && rises && !taken_.contains("time")) {
-        nanoseconds = nanoseconds_behind(header, c.index, table_.first_texts(c.index));
+        nanoseconds =
+            nanoseconds_behind(header, c.index, [&](std::size_t i) { return table_.first_texts(i); });
         add_source("time", c, nanoseconds ? "s" : time_unit_of(c));
         continue;
       }

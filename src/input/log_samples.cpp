@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/statistics.hpp"
-#include "core/text.hpp"
 #include "input/bag_file.hpp"
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
@@ -47,14 +46,12 @@ double StampReader::operator()() {
     if (const auto seconds = clock_.seconds(std::string_view(plain).substr(0, size), unit_, written_))
       return *seconds;
   }
-  const std::size_t digits = std::min(text.find_last_of("0123456789.") + 1, text.size());
-  if (const std::string unit = unit_in_words(trimmed(text.substr(digits))); !unit.empty()) {
-    std::string why;
-    const auto number = parse_number(text.substr(0, digits));
-    const auto of_cell = parse_unit(unit, why);
-    if (number && of_cell && of_cell->dimension == dimension::time)
-      return clock_.seconds(of_cell->in_si(*number));
-  }
+  const NumberAndUnit cell = number_and_unit(text);
+  std::string why;
+  const auto of_cell = parse_number(cell.number);
+  if (const auto unit_of_cell = parse_unit(cell.unit, why);
+      of_cell && unit_of_cell && unit_of_cell->dimension == dimension::time)
+    return clock_.seconds(unit_of_cell->in_si(*of_cell));
   if (text.empty()) refuse("the cell is empty", "write a plain number, or leave the row out");
   double number = 0;
   if (read_number(text.data(), number, written_) == text.data() + text.size())
@@ -176,21 +173,28 @@ bool is_seconds_before(const std::string& seconds, const std::string& nanosecond
 }  // namespace
 
 std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
-                                              const std::vector<std::string>& texts) {
+                                              const ColumnTexts& texts) {
   if (seconds + 1 >= header.size()) return std::nullopt;
   if (is_seconds_before(header[seconds], header[seconds + 1])) return seconds + 1;
-  if (header[seconds] != "column 1" || texts.empty()) return std::nullopt;
-  constexpr double since_2001 = 1e9, until_2096 = 4e9;
-  const bool since_1970 = std::all_of(texts.begin(), texts.end(), [](const std::string& text) {
-    const auto stamp = parse_number(text);
-    return stamp && *stamp == std::floor(*stamp) && *stamp > since_2001 && *stamp < until_2096;
-  });
-  return since_1970 ? std::optional(seconds + 1) : std::nullopt;
+  if (header[seconds] != "column 1") return std::nullopt;
+  const std::vector<std::string> whole = texts(seconds), part = texts(seconds + 1);
+  constexpr double since_2001 = 1e9, until_2096 = 4e9, least_part = 1e5, second = 1e9;  // [s], [ns]
+  std::size_t restarts = 0, large = 0;
+  double last_s = 0, last_ns = 0;
+  for (std::size_t i = 0; i < std::min(whole.size(), part.size()); ++i) {
+    const auto s = parse_number(whole[i]), ns = parse_number(part[i]);
+    if (!s || !ns || *s != std::floor(*s) || *ns != std::floor(*ns)) return std::nullopt;
+    if (*s < since_2001 || *s > until_2096 || *ns < 0 || *ns >= second) return std::nullopt;
+    if (*s < last_s || (*s == last_s && *ns <= last_ns)) return std::nullopt;
+    restarts += last_s > 0 && *s > last_s && *ns < last_ns;
+    large += *ns >= least_part;
+    last_s = *s, last_ns = *ns;
+  }
+  return restarts > 0 && 2 * large > whole.size() ? std::optional(seconds + 1) : std::nullopt;
 }
 
 std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
-                                       const std::vector<ColumnMeaning>& columns,
-                                       const std::function<std::vector<std::string>(std::size_t)>& texts) {
+                                       const std::vector<ColumnMeaning>& columns, const ColumnTexts& texts) {
   const auto named = time_column(columns);
   if (named && (columns[*named].mapped || columns[*named].signal == "time")) return named;
   for (std::size_t i = 0; i + 1 < columns.size(); ++i)
@@ -267,7 +271,9 @@ class WideSamples : public LogSamples {
     const auto texts = [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); };
     time_ = find_stamps(table_->header(), meanings, texts);
     if (time_) {
-      nanoseconds_ = nanoseconds_behind(table_->header(), *time_, texts(*time_));
+      nanoseconds_ =
+          nanoseconds_behind(table_->header(), *time_, [&](std::size_t i) { return first_texts(i); });
+      if (nanoseconds_ && meanings[*nanoseconds_].mapped) nanoseconds_.reset();
       if (nanoseconds_) meanings[*time_].unit = "s";
       stamps_ = recognize_stamps(table_->file(), table_->header(), *time_, texts(*time_), meanings[*time_]);
       if (nanoseconds_)

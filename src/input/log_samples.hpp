@@ -88,18 +88,20 @@ std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, const LogR
 
 inline constexpr std::size_t sampled_stamps = 20;  // say their unit
 
+/// The first cells of a column.
+using ColumnTexts = std::function<std::vector<std::string>(std::size_t column)>;
+
 /// The column of the time stamps: by its name, if the name may mean something else by its values, too; else
 /// the only one of dates, times of day, or in a unit of time. Empty if there is none, or several may be it.
 /// @param header  of the file
-/// @param texts  the first cells of a column
-std::optional<std::size_t> find_stamps(
-    const std::vector<std::string>& header, const std::vector<ColumnMeaning>&,
-    const std::function<std::vector<std::string>(std::size_t column)>& texts);
+std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
+                                       const std::vector<ColumnMeaning>&, const ColumnTexts&);
 
 /// The column of nanoseconds behind one of whole seconds: `header.stamp.sec` and `header.stamp.nanosec`; in a
-/// table without header behind seconds since 1970.
+/// table without header behind seconds since 1970, where several rows have one second and what stands behind
+/// it rises within it. (Counts behind whole seconds are none.)
 std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
-                                              const std::vector<std::string>& texts);
+                                              const ColumnTexts&);
 
 /// What the first of a file's time stamps say: completes the unit of their column, where neither header nor
 /// mapping gives it.

@@ -301,6 +301,13 @@ std::string_view bare_cell(std::string_view cell) {
   return cell;
 }
 
+NumberAndUnit number_and_unit(std::string_view cell) {
+  const std::size_t end = cell.find_last_of("0123456789.") + 1;
+  if (end == 0 || !is_numeric(cell.substr(0, end), '.')) return {};
+  std::string unit = unit_in_words(trimmed(cell.substr(end)));
+  return unit.empty() ? NumberAndUnit{} : NumberAndUnit{cell.substr(0, end), std::move(unit)};
+}
+
 bool is_unit_behind_comma(std::string_view cell) { return !unit_in_words(cell).empty(); }
 
 bool is_numeric(std::string_view text, char decimal) {

@@ -36,6 +36,13 @@ TableFormat recognize_table(std::string_view head);
 /// A cell without the blanks and quotation marks around it.
 std::string_view bare_cell(std::string_view cell);
 
+/// A cell `12.5 deg` or `12.5deg`: its number, and the unit in qerr's words; both empty for any other text.
+struct NumberAndUnit {
+  std::string_view number;
+  std::string unit;
+};
+NumberAndUnit number_and_unit(std::string_view cell);
+
 /// Whether a cell of a header can be the unit of the name before it, from which a comma separates it.
 bool is_unit_behind_comma(std::string_view cell);
 

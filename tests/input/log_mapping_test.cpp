@@ -347,6 +347,25 @@ TEST_F(LogMapping, TwoNamelessChannelsOfOneJointAreTheEncoderAndTheReference) {
             std::string::npos);
 }
 
+TEST_F(LogMapping, CountsBehindWholeSecondsAreNoNanoseconds) {
+  std::ofstream(folder / "one.yaml")
+      << "qerr: 1\nrobot: {joint: {name: a, type: revolute}}\nencoders: {a: {bits: 20}}\n";
+  spec = read_spec((folder / "one.yaml").string());
+  for (const int rows_a_second : {1, 10}) {  // of a counter beyond 1e5, forth and back
+    std::string text;
+    for (int i = 0; i < 200; ++i)
+      text += std::to_string(1764177402 + i / rows_a_second) + ',' +
+              text_of(std::round(6e5 + 4e5 * load(i, 0)), 0) + ',' + text_of(load(i, 0)) + '\n';
+    const std::string section = proposed(text);
+    EXPECT_NE(section.find("a.counts: column 2"), std::string::npos) << section;
+    spec = read_spec((folder / "one.yaml").string());
+    map_column("time=column 1", spec);
+    map_column("a.counts=column 2", spec);
+    EXPECT_EQ(values(read(text), LogSignal::counts)[7], std::round(6e5 + 4e5 * load(7, 0))) << rows_a_second;
+    spec = read_spec((folder / "one.yaml").string());
+  }
+}
+
 TEST_F(LogMapping, CurrentsAndCountsOfHeadersAreProposed) {
   spec = spec_of("");
   const std::string section = proposed(log_of(

@@ -32,7 +32,7 @@ std::string exceedance_tables(const Analysis&, const Style&);
 
 bool has_effects(const Analysis&);
 
-/// Of what a filter passes over what enters: `1/s` of a velocity, "" of a position.
+/// Unit of what a filter passes over what enters: `1/s` of a velocity, "" of a position.
 std::string rate_unit(int derivative);
 
 /// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.

@@ -282,7 +282,7 @@ std::vector<FigureChange> BaselineCheck::worst_by_quantity() const {
   return worst;
 }
 
-/// Of a requirement A and B are whether it is met, and the change is `flipped` or empty.
+/// The row of a requirement: A and B are whether it is met, and the change is `flipped` or empty.
 std::string to_csv(const ReportComparison& c, const Style&) {
   std::string out = "section,name,statistic,unit,a,b,change\r\n";
   for (const RequirementChange& r : c.requirements)

@@ -49,7 +49,7 @@ std::string table_of(std::string_view style, const std::vector<std::string>& hea
 /// A table for people and screen readers. The cells are text.
 std::string table(const std::vector<std::string>& header, const TableRows& rows);
 
-/// The same of a terminal's table, whose first row is the header.
+/// The HTML of a terminal's table, whose first row is the header.
 /// @param corner  the header of the first column, where that has none
 std::string table(TableRows rows, const std::string& corner = "");
 

@@ -42,7 +42,7 @@ struct IpqnDeviation {
 /// The signals whose sigma IPQN misses by more than 5 %, grouped by the factor that deviates most from 1.
 std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
 
-/// Of each estimate with a tracking error: label, encoder error, tracking error, its peak, total.
+/// The rows of the estimates with a tracking error: label, encoder error, tracking error, its peak, total.
 TableRows tracking_cells(const SimulationReport&);
 
 /// The factors that lead from IPQN to the simulated sigma of each signal, with a header.
