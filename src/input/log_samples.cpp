@@ -185,7 +185,7 @@ std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& he
     const auto s = parse_number(whole[i]), ns = parse_number(part[i]);
     if (!s || !ns || *s != std::floor(*s) || *ns != std::floor(*ns)) return std::nullopt;
     if (*s < since_2001 || *s > until_2096 || *ns < 0 || *ns >= second) return std::nullopt;
-    if (*s < last_s || (*s == last_s && *ns <= last_ns)) return std::nullopt;
+    if (*s < last_s || (*s == last_s && *ns < last_ns)) return std::nullopt;
     restarts += last_s > 0 && *s > last_s && *ns < last_ns;
     large += *ns >= least_part;
     last_s = *s, last_ns = *ns;
