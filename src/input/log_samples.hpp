@@ -98,8 +98,8 @@ std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
                                        const std::vector<ColumnMeaning>&, const ColumnTexts&);
 
 /// The column of nanoseconds behind one of whole seconds: `header.stamp.sec` and `header.stamp.nanosec`; in a
-/// table without header behind seconds since 1970, where what stands behind them does not fall within a second
-/// and starts again with the next. (Counts behind whole seconds are none.)
+/// table without header behind seconds since 1970, where what stands behind them does not fall within a
+/// second and starts again with the next. (Counts behind whole seconds are none.)
 std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
                                               const ColumnTexts&);
 
