@@ -7,6 +7,7 @@ Skipped (exit code 77) without the module (cmake -DQERR_PYTHON=ON).
 """
 import argparse
 import csv
+import datetime
 import json
 import os
 import pathlib
@@ -119,16 +120,25 @@ def check_arrays(t, q, qerr):
     stamps = np.round((time - time[0]) * 1e9).astype("m8[ns]")
     others = {name: values for name, values in few.items() if name != "time [s]"}
     duration = time[-1] - time[0]
-    for name, values in (("time", stamps), ("time [ms]", stamps.astype("m8[us]")), ("time", np.datetime64("2026-11-26") + stamps)):
+    for name, values in (("time", stamps), ("time [ms]", stamps.astype("m8[us]")), ("time", np.datetime64("2026-11-26") + stamps),
+                         ("time", [datetime.datetime(2026, 11, 26) + datetime.timedelta(microseconds=int(s) / 1000) for s in stamps.astype(int)])):
         found = q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", {name: values, **others}).json["log"]
         span = found["last_time"] - found["first_time"]
-        t.check(f"{values.dtype} is the time", abs(span - duration) < 1e-5, f"{span} {duration}")
+        t.check(f"{type(values[0])} is the time", abs(span - duration) < 1e-5, f"{span} {duration}")
     hidden = np.zeros(len(time), bool)
     hidden[5:9] = True
     last = list(others)[-1]
     masked = {"time [s]": time, **others, last: np.ma.MaskedArray(others[last], hidden)}
     found = q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", masked, set={"log.missing": "drop"})
     t.check("what is masked is missing", any("4 of 40 rows" in w for w in found.warnings), str(found.warnings))
+    plain, numpys = (q.check(SPEC, set={"configurations.count": n, "configurations.seed": 7}).json for n in (100, np.int64(100)))
+    t.check("numbers of NumPy are numbers", plain == numpys, str(plain)[:200])
+    for wrong in ({"elbow": np.zeros((5, 2))}, {"elbow": np.zeros(5) * 1j}, {"elbow": ["one"] * 5}, {1: np.zeros(5)}, {"elbow": 5.0}, 5, np.zeros((5, 2))):
+        try:
+            q.diagnose(CONFIGS / "diagnosis" / "spec.yaml", wrong)
+            t.check("a wrong log is refused", False, str(wrong))
+        except (TypeError, ValueError) as e:
+            t.check("says what is wanted", "wanted" in str(e) and "found" in str(e) or "text" in str(e), str(e))
     errors = q.configurations(SPEC, set={"configurations.count": 100})
     t.check("an array a column", len(errors) > 5 and all(len(v) == 100 for v in errors.values()), str(list(errors)[:5]))
     q.analyze(SPEC, set={"configurations.count": 100}, per_configuration="each.csv")

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import builtins
 import csv
+import datetime
 import inspect
 import io
 import json
@@ -49,7 +50,8 @@ class Warning(UserWarning):
 
 
 def _value(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    # Numbers and arrays of NumPy, and paths, beside what JSON knows.
+    return value if isinstance(value, str) else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else os.fspath(v))
 
 
 def _words(options: Mapping[str, Any], pairs: Iterable[str] = ()) -> list[str]:
@@ -73,23 +75,41 @@ def _words(options: Mapping[str, Any], pairs: Iterable[str] = ()) -> list[str]:
     return words
 
 
-def _column(name: str, values: Any) -> tuple[str, Any]:
+def _path(value: Any) -> str:
+    try:
+        return os.fsdecode(value)
+    except TypeError:
+        raise TypeError(f"a file's path is wanted, found {type(value).__name__}; a spec is a YAML file (set={{...}} changes single "
+                        "values), the arrays of a log are a dict of its columns") from None
+
+
+def _column(name: Any, values: Any) -> tuple[str, Any]:
     """A column as the module reads it, with its name: calendar time as seconds after the first stamp, durations as
-    seconds; what is masked or no time is nan. Everything else is converted by the module, if it is no float64."""
-    kind = getattr(getattr(values, "dtype", None), "kind", "")
-    if kind not in ("m", "M") and type(values).__name__ != "MaskedArray":
-        return name, values
+    seconds; what is masked or no time is nan. float64 is not copied.
+
+    Raises TypeError where the values are no numbers, ValueError where they are no list of them."""
     import numpy
 
-    masked, numbers = numpy.ma.getmaskarray(values), numpy.ma.getdata(values)
-    if kind in ("m", "M"):
-        times = numpy.asarray(numbers, dtype=kind + "8[ns]")
+    if isinstance(values, (builtins.list, tuple)) and values and isinstance(values[0], (datetime.date, datetime.timedelta)):
+        values = numpy.asarray(values, dtype="m8[ns]" if isinstance(values[0], datetime.timedelta) else "M8[ns]")
+    masked, numbers = numpy.ma.getmaskarray(values) if isinstance(values, numpy.ma.MaskedArray) else False, numpy.ma.getdata(values)
+    if numbers.ndim != 1:
+        raise ValueError(f"column '{name}': one value per row is wanted, found an array of the shape {numbers.shape}; name each column")
+    if numbers.dtype.kind in "mM":
+        times = numpy.asarray(numbers, dtype=numbers.dtype.kind + "8[ns]")
         masked = masked | numpy.isnat(times)
         name = name.partition("[")[0].strip() + " [s]"
-        if kind == "M" and not numpy.all(masked):
+        if times.dtype.kind == "M" and not numpy.all(masked):
             times = times - times[~masked][0]
         numbers = times.astype("m8[ns]").astype(float) * 1e-9
-    return name, numpy.where(masked, numpy.nan, numpy.asarray(numbers, dtype=float))
+    try:
+        if not isinstance(name, str) or numbers.dtype.kind in "cUS":
+            raise TypeError
+        numbers = numpy.asarray(numbers, dtype=float)
+    except (TypeError, ValueError):
+        wanted = "numbers are wanted, found " + type(numbers[0]).__name__ if isinstance(name, str) else "a text is wanted as name"
+        raise TypeError(f"column {name!r}: {wanted}") from None
+    return name, numpy.where(masked, numpy.nan, numbers) if numpy.any(masked) else numbers
 
 
 def _number(text: str) -> Any:
@@ -180,11 +200,11 @@ def _report(command: str, paths: Iterable[Path], options: dict[str, Any], kind: 
     if unknown:
         raise TypeError(f"qerr.{command}() has no argument '{unknown[0]}'; it has: {', '.join(sorted(known))}")
     pairs = [name for name, of in known.items() if of == "pair"]
-    return kind(command, [*_words(options, pairs), "--", *(os.fspath(p) for p in paths)], quiet=quiet, **more)
+    return kind(command, [*_words(options, pairs), "--", *(_path(p) for p in paths)], quiet=quiet, **more)
 
 
 def _paths(given: Path | Iterable[Path]) -> list[Path]:
-    return [given] if isinstance(given, (str, os.PathLike)) else builtins.list(given)
+    return builtins.list(given) if isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping)) else [given]
 
 
 def analyze(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
