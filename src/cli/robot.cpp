@@ -112,6 +112,7 @@ int run(const Values& v) {
   const std::string& path = v.text("URDF");
   const std::string text = urdf_text(path);
   RobotReport report = is_spec(text) ? report_of_spec(text, path, v) : report_of_urdf(text, path, v);
+  if (report.pose) warn(report.pose->warnings, v);
   const auto out = opened_report(v, {"write-spec"});
   SpecFiles files = opened_files(v);
   Outputs outputs;

@@ -81,6 +81,24 @@ TEST(RobotReport, SaysWhyNoChainCanBeAnalyzed) {
   EXPECT_NE(table(robot("<link name='a'/>")).find("no joint of this robot moves"), std::string::npos);
 }
 
+TEST(RobotReport, WarnsOfPosesOutsideTheLimits) {
+  const RobotModel arm =
+      read(robot(links + "<link name='d'/>" + joint("ab", "revolute", "a", "b", limit) +
+                 joint("bc", "continuous", "b", "c", "") + joint("cd", "prismatic", "c", "d", limit)));
+  const Chain chain = first_chain(arm, "a", "d");
+  const auto warned = [&](const std::string& at) { return pose_at(arm, chain, {at}).warnings; };
+  for (const char* within : {"ab=0.5", "ab=90deg", "bc=-6", "cd=1"})
+    EXPECT_TRUE(warned(within).empty()) << within;
+  for (const auto& [outside, part] : {std::pair{"ab=90", "outside its limits [-1, 2] rad; degrees need"},
+                                      {"ab=300deg", "outside its limits [-1, 2] rad"},
+                                      {"bc=30", "more than a turn"},
+                                      {"cd=400", "outside its limits"}}) {
+    ASSERT_EQ(warned(outside).size(), 1U) << outside;
+    EXPECT_NE(warned(outside)[0].find(part), std::string::npos) << warned(outside)[0];
+  }
+  EXPECT_EQ(warned("ab=300deg")[0].find("degrees"), std::string::npos);
+}
+
 TEST(RobotReport, HasAMovingJointInEachRowOfItsCsv) {
   const std::string csv =
       write(report_of(robot(links + joint("ab", "revolute", "a", "b") + joint("bc", "fixed", "b", "c", ""))),

@@ -15,6 +15,7 @@ struct PoseAtJoints {
   std::string base, tip;
   std::vector<std::pair<IndependentJoint, double>> joints;  ///< in chain order, with their values [rad or m]
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  std::vector<std::string> warnings;  ///< of values outside a joint's limits
 };
 
 /// What a URDF, or the robot of a spec, holds, as `qerr robot` shows it.

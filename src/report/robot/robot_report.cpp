@@ -1,7 +1,11 @@
 #include "qerr/report/robot_report.hpp"
 
+#include <limits>
+#include <numbers>
+
 #include "core/sha256.hpp"
 #include "input/joint_entries.hpp"
+#include "input/joint_table.hpp"
 #include "input/urdf_reader.hpp"
 #include "kinematics/tree.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -32,7 +36,7 @@ RobotReport robot_report(RobotModel robot, const std::string& text, const std::s
 }
 
 PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vector<std::string>& values) {
-  PoseAtJoints at{chain.base, chain.tip, {}, {}};
+  PoseAtJoints at{chain.base, chain.tip, {}, {}, {}};
   for (const IndependentJoint& joint : chain.independent) at.joints.emplace_back(joint, 0);
   for (const std::string& text : values) {
     const std::size_t sign = text.find('=');
@@ -47,6 +51,16 @@ PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vec
     if (!value || value->dimension.value_or(dimension) != dimension)
       throw Error(Fault{{}, "--at", "must be " + name_of(dimension), quoted(text), unit_remedy(dimension)});
     at.joints[index].second = value->value;
+    const double free = joint.prismatic() ? std::numeric_limits<double>::infinity() : 2 * std::numbers::pi;
+    const Limits limits = joint.limits.value_or(Limits{-free, free});
+    if (inside(value->value, limits)) continue;
+    at.warnings.push_back("--at " + text + ": " +
+                          (joint.limits
+                               ? "joint '" + joint.name + "' is outside its limits " + text_of(limits, joint)
+                               : "more than a turn of joint '" + joint.name + "'") +
+                          (joint.prismatic() || value->dimension
+                               ? ""
+                               : "; degrees need their unit: " + quoted(joint.name + "=90deg")));
   }
   Eigen::VectorXd q(static_cast<Eigen::Index>(at.joints.size()));
   for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = at.joints[static_cast<std::size_t>(i)].second;
