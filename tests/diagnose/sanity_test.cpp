@@ -194,6 +194,39 @@ TEST(Sanity, ReportsTheLogResolutionAndRestoresTheCountsIfPossible) {
   }
 }
 
+/// A reference at a speed and a rate that are round numbers: its few decimals are all it has.
+TEST(Sanity, TakesASteadySpeedForNoRounding) {
+  for (const double per_row : {1e-3, 5e-4, 0.02}) {
+    Machine m(3);
+    m.resolution = 4.8e-5;
+    m.path = per_row * Column::LinSpaced(m.rows, 0, m.rows - 1);
+    const Sanity s = check_sanity(model_of(m), {},
+                                  log_of({{LogSignal::time, m.time},
+                                          {LogSignal::counts, m.counted(m.path), 0},
+                                          {LogSignal::reference, m.path, 4}}));
+    EXPECT_TRUE(s.causes.empty()) << per_row;
+    EXPECT_TRUE(s.warnings.empty()) << per_row;
+  }
+}
+
+/// Counts of an absolute encoder with a counter of turns, of which a leap was taken for a wrap.
+TEST(Sanity, PutsBackTurnsThatWereNoWraps) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(seed);
+    m.resolution = 2 * std::numbers::pi / 16384 / 50;
+    const Column counts = m.counted(m.path);
+    Column unwrapped = counts;
+    unwrapped.tail(m.rows - 1 - static_cast<int>(seed)) += seed % 2 ? 16384 : -16384;
+    Log log = log_of(m, unwrapped);
+    log.columns[1].wraps = {0, 1, seed + 1, 0, true};
+    OperationalModel model = model_of(m);
+    model.transmission.encoders[0].shaft_ratio = 50;
+    const Sanity s = check_sanity(model, {}, std::move(log));
+    EXPECT_TRUE((s.log.values.col(1) == counts).all()) << seed;
+    EXPECT_TRUE(s.causes.empty()) << seed;
+  }
+}
+
 TEST(Sanity, DetectsACounterThatUsesOnlyEveryFourthCount) {
   Machine m(4);
   const Column counts = 4 * (m.counted(m.path) / 4 + 0.5).floor();

@@ -103,5 +103,18 @@ TEST(SmoothPath, AcceptsCoincidentStamps) {
   EXPECT_TRUE(s.velocity.isFinite().all());
 }
 
+/// A motion that is too fast for its rows: a local cubic would make its velocity some percent too small.
+TEST(SmoothPath, HasTheVelocityOfThirteenRowsAPeriod) {
+  const double omega = 2 * std::numbers::pi * 3;
+  const auto sine = [&](double t) {
+    return std::pair{0.05 * std::sin(omega * t + 0.3), 0.05 * omega * std::cos(omega * t + 0.3)};
+  };
+  std::mt19937 dice(5);
+  const RecordedPath r(dice, 1500, 40, 0, 0, 1e-7, sine);
+  const SmoothPath s = smooth_path(r.time, r.recorded, 1e-7);
+  const Eigen::Index inside = r.time.size() - 10;
+  EXPECT_LT(rms((s.velocity - r.velocity).segment(5, inside)), 1e-3 * rms(r.velocity));
+}
+
 }  // namespace
 }  // namespace qerr

@@ -102,10 +102,14 @@ std::size_t least_name(const FoundCauses& found) {
   return least;
 }
 
-/// A term whose size the fit has made impossible, such as a negative play.
-std::optional<std::size_t> impossible_term(const Explanation& m) {
+/// A term whose size the fit has made impossible, such as a negative play, or a shape of which it has left
+/// less than a tenth of what is worth a term.
+std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
+  constexpr double nothing = 0.01;  // counts
   for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if (m.terms()[i].positive && m.coefficients(i)[0] < 0) return i;
+    if ((m.terms()[i].positive && m.coefficients(i)[0] < 0) ||
+        (!m.terms()[i].named() && size_of(m, i) < nothing * step))
+      return i;
   return std::nullopt;
 }
 
@@ -146,7 +150,8 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   FoundCauses found = search_causes(record, seed);
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
-    while (const auto impossible = impossible_term(f->selection->model)) {  // of finitely many terms
+    while (const auto impossible =
+               impossible_term(f->selection->model, record.step())) {  // of finitely many terms
       drop(found, *impossible);
       f->selection.emplace(selection_of(*f->sampling, found));
     }
@@ -186,7 +191,8 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   }
   const Explanation& m = f->selection->model;
   f->simulated = simulated_readings(*f->sampling, m);
-  const double unnamed = largest_unnamed(m);
+  const double unnamed = largest_unnamed(m), rounding = record.step() * record.step() / 12;
+  f->held.predicted = expected_squares(f->evidence(), m.addition(), f->scatter.expected - rounding);
   f->remainder = remainder_of(f->evidence(), m, f->scatter, unnamed);
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
   return f;
@@ -196,7 +202,11 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
 
 std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, const Sanity& sane,
                                                   const DiagnoseOptions& options) {
-  for (Evidence& e : all) e.loaded = is_loaded(sane.model, sane.log, e.number);
+  for (Evidence& e : all) {
+    e.loaded = is_loaded(sane.model, sane.log, e.number);
+    for (const Evidence& other : all)
+      if (&other != &e && other.rows() == e.rows() && !other.is_stationary()) e.others.push_back(&other);
+  }
   std::vector<std::unique_ptr<Finding>> findings(all.size());
   const auto find = [&](bool coupled) {
     parallel_for(all.size(), options.threads, [&](std::size_t i) {

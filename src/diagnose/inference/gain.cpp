@@ -90,7 +90,6 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
     const double x = part.path[k] + p.after[k], noise = p.noise_after;
     const double residual = (part.measured[k] - x) / e.step();
     h.residual += residual * residual;
-    h.predicted += expected_square(e.encoder, e.counted ? x / e.step() : 0.5, noise / e.step());
     h.inside += part_inside(normal_cdf((edges.lower[k] - p.after[k]) / noise),
                             normal_cdf((edges.upper[k] - p.after[k]) / noise));
   }
@@ -129,6 +128,14 @@ void bootstrap(const std::vector<HeldOut>& all, std::uint64_t seed, Gain& g) {
 }
 
 }  // namespace
+
+double expected_squares(const Evidence& e, const Eigen::ArrayXd& added, const Eigen::ArrayXd& variance) {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    sum += expected_square(e.encoder, e.counted ? (e.path[k] + added[k]) / e.step() : 0.5,
+                           std::sqrt(variance[k]) / e.step());
+  return sum;
+}
 
 HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
                  const Explanation& model) {

@@ -23,7 +23,7 @@ struct HeldOut {
   bool held_out = true;  ///< false: the record is too short to be divided, and `after` is of the fit itself
   double readings = 0;   ///< number of independent readings, over which the figures below are sums
   double residual = 0;   ///< squares of the extended model's residual, in counts
-  double predicted = 0;  ///< the same as the model expects it
+  double predicted = 0;  ///< the same of quantization, stated noise and the scatter found: no part is fitted
   double log_score = 0;  ///< log-likelihood gained against the model without terms
   double inside = 0;     ///< readings within the model's central 95 %
 };
@@ -33,6 +33,12 @@ struct HeldOut {
 /// @param model    fitted to `sampled`
 HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
                  const Explanation& model);
+
+/// Sum of the squares of reading - position that quantization and noise of a variance in each row make
+/// [counts^2].
+/// @param added     to the path, by the model [rad or m]
+/// @param variance  of the noise [rad^2 or m^2], > 0
+double expected_squares(const Evidence&, const Eigen::ArrayXd& added, const Eigen::ArrayXd& variance);
 
 /// The gain over all rows of some encoders, with the 95 % interval of its ratio by drawing blocks with
 /// replacement (bootstrap).

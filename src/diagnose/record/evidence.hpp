@@ -38,6 +38,9 @@ struct Evidence : RecordSignals {
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
   double interval = 0;          ///< of the rows as recorded, in the mean [s]; 0: not ordered
+  /// The other encoders at the same rows, which outlive it; of a part of the rows they are those of the
+  /// whole.
+  std::vector<const Evidence*> others;
 };
 
 /// Everything that an evidence has row by row; some of it may be empty.

@@ -15,9 +15,13 @@ struct SmoothPath {
 /// Local cubic least-squares fits (Savitzky and Golay 1964, at the actual stamps). The window is the widest
 /// whose residual does not exceed the noise that divided differences of order 4, 6 and 8 estimate: a wider
 /// one would distort the path, and the distortion would be attributed to the encoder.
+/// Where five samples distort it already, a reference at even stamps has the rates of the polynomial through
+/// nine, which would amplify the steps of counts and errors of stamps.
 /// @param time  not decreasing, even or uneven [s]; rows with equal stamps get equal weight
 /// @param log_resolution  step of the recorded values, a lower bound of their noise [unit]
-SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution);
+/// @param smooth_rates  keep to cubics: of counts and loads, whose derivatives must not amplify steps
+SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
+                       bool smooth_rates = false);
 
 /// `noise` of the smooth path alone.
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution);

@@ -48,6 +48,7 @@ class Candidates {
       add_in_time();
       add_hystereses();
     }
+    add_couplings();
     if (!e_.is_stationary()) add_in_position();
     return std::move(found_);
   }
@@ -206,11 +207,37 @@ class Candidates {
         return transition_term(s, event.approach_start, event.time_constant);
       });
     }
+    add_plain("time", 1, [](const RecordSignals& s) { return steady_change_term(s); });
     for (const int degree : {2, 3, 4, 5})
       add_plain("time", 8, [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
     for (const Eigen::Index knots : {10, 20, 40})
       if (e_.rows() > 8 * knots)
         add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
+  }
+
+  void add_couplings() {
+    const auto& others = s_.record->others;
+    if (others.empty() || !others_explain_all()) return;
+    for (std::size_t i = 0; i < others.size(); ++i)
+      add_history("coupling " + others[i]->joint, "coupling", static_cast<double>(i),
+                  static_cast<double>(others.size()),
+                  [i](const Sampling& s) { return coupling_term(s, *s.record->others[i]); });
+  }
+
+  /// Whether the angles of all joints leave next to nothing of the error, as a coupling's do. Joints that
+  /// move together, and loads that vary with the pose, have some of any error.
+  bool others_explain_all() const {
+    const auto& others = s_.record->others;
+    Eigen::MatrixXd columns(e_.rows(), static_cast<Eigen::Index>(others.size()) + 2);
+    columns.leftCols(2) << Eigen::VectorXd::Ones(e_.rows()), e_.path.matrix();
+    for (std::size_t i = 0; i < others.size(); ++i)
+      columns.col(static_cast<Eigen::Index>(i) + 2) = s_.averaged(others[i]->path).matrix();
+    columns.rightCols(columns.cols() - 1).rowwise() -=
+        columns.rightCols(columns.cols() - 1).colwise().mean().eval();
+    const Eigen::VectorXd error = (e_.measured - e_.path).matrix();
+    const Eigen::MatrixXd normal = columns.transpose() * columns;
+    const Eigen::ArrayXd left = (error - columns * normal.ldlt().solve(columns.transpose() * error)).array();
+    return rms(left) < std::max(0.1 * standard_deviation(error.array()), 0.4 * e_.step() + e_.noise);
   }
 
   bool is_one_sweep() const {

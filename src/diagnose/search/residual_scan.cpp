@@ -37,11 +37,31 @@ double gain_of(const Term& t, const Eigen::ArrayXd& scores, const Eigen::ArrayXd
   return gain;
 }
 
+/// Distance of the positions of a table whose steps are even, which passages may repeat; 0 where they differ
+/// by more than a fifth, as those of random poses do: these resolve any order.
+double even_step(const Eigen::ArrayXd& path) {
+  std::vector<double> sorted(path.begin(), path.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double range = sorted.back() - sorted.front();
+  double count = 0, sum = 0, squares = 0;
+  for (std::size_t k = 1; k < sorted.size(); ++k) {
+    const double step = sorted[k] - sorted[k - 1];
+    if (step * 8 * static_cast<double>(sorted.size()) < range) continue;  // the same position once more
+    ++count, sum += step, squares += step * step;
+  }
+  if (count < 2) return 0;
+  const double mean = sum / count;
+  return squares / count - mean * mean < 0.04 * mean * mean ? mean : 0;
+}
+
 /// The order that the motion still resolves: a period of four counts, and two rows a period in nine tenths
-/// of the motion. At a constant speed an order beyond that is the alias of another.
+/// of the motion. At a constant speed, or in even steps, an order beyond that is the alias of another.
 double highest_order(const Evidence& record) {
   const double of_counts = 0.5 * std::numbers::pi / record.step();
-  if (!record.ordered || record.rows() < 3) return of_counts;
+  if (record.rows() < 3) return of_counts;
+  if (const double step = record.ordered ? 0 : even_step(record.path); step > 0)
+    return std::min(of_counts, std::numbers::pi / step);
+  if (!record.ordered) return of_counts;
   const Eigen::Index n = record.rows() - 1, stride = std::max<Eigen::Index>(1, n / 20000);
   std::vector<double> moved;
   for (Eigen::Index k = 0; k < n; k += stride)

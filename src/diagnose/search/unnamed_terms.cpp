@@ -75,6 +75,13 @@ Term position_polynomial_term(const RecordSignals& s, int degree) {
   return unnamed_term(s, Shape::unknown, "a curved function of the position", legendre(s.path, degree));
 }
 
+Term steady_change_term(const RecordSignals& s) {
+  Term t = unnamed_term(s, Shape::unknown, "changes steadily in time", s.time);
+  t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["rate"] = c[0]; };
+  t.next = "look for lost remainders of a conversion, a leak of an integrator, or clocks that differ";
+  return t;
+}
+
 Term time_polynomial_term(const RecordSignals& s, int degree) {
   return unnamed_term(s, Shape::unknown, "changes slowly in time", legendre(s.time, degree));
 }
@@ -86,6 +93,14 @@ Term loaded_order_term(const RecordSignals& s, double order) {
   loaded.effect.numbers["order"] = order;
   loaded.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["amplitude"] = std::hypot(c[0], c[1]); };
   return loaded;
+}
+
+Term coupling_term(const Sampling& s, const Evidence& other) {
+  Term t = unnamed_term(s.evidence, Shape::unknown, "follows the angle of " + other.joint,
+                        s.averaged(other.path - other.path.mean()));
+  t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; };
+  t.next = "the drive moves one joint with another: state the transmission's coupling in the spec";
+  return t;
 }
 
 Term vibration_term(const RecordSignals& s, double frequency) {

@@ -19,8 +19,14 @@ Term time_table_term(const RecordSignals&, Eigen::Index knots);
 Term position_polynomial_term(const RecordSignals&, int degree);
 Term time_polynomial_term(const RecordSignals&, int degree);
 
+/// In proportion to time.
+Term steady_change_term(const RecordSignals&);
+
 /// A sine of the joint's angle [periods per rad or m * 2 pi] whose amplitude is proportional to the effort.
 Term loaded_order_term(const RecordSignals&, double order);
+
+/// The angle of another joint: a coupling that the model does not have. The path is of its encoder.
+Term coupling_term(const Sampling&, const Evidence& other);
 
 /// A vibration of one frequency [Hz].
 Term vibration_term(const RecordSignals&, double frequency);

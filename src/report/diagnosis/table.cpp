@@ -266,6 +266,9 @@ struct FoundShape {
   std::string of_amplitude(const std::string& prefix) const {
     return found.amplitude > 0 ? prefix + size(found.amplitude) : "";
   }
+  std::string of_size() const {
+    return has("size") ? " of " + size(std::abs(figure("size"))) : of_amplitude(" of ");
+  }
   std::string order_text() const {
     const double order = has("order") ? figure("order") : found.order.value_or(0);
     return significant(order, 4) + (unit() == "m" ? " per metre" : " per revolution of the joint");
@@ -281,11 +284,7 @@ std::string mains(double frequency) {
   return "";
 }
 
-std::string step_words(const FoundShape& r) {
-  const std::string of_size =
-      r.has("size") ? " of " + r.size(std::abs(r.figure("size"))) : r.of_amplitude(" of ");
-  return "a step" + of_size + r.with(" at ", "time");
-}
+std::string step_words(const FoundShape& r) { return "a step" + r.of_size() + r.with(" at ", "time"); }
 
 std::string hysteresis_words(const FoundShape& r) {
   const std::string width = r.has("width") ? " of " + r.size(r.figure("width")) : r.of_amplitude(" of ");
@@ -306,7 +305,7 @@ std::string order_words(const FoundShape& r) {
 }
 
 std::string bump_words(const FoundShape& r) {
-  return "a bump" + r.of_amplitude(" of ") + r.with(" at ", "angle") + r.with(", width ", "width");
+  return "a bump" + r.of_size() + r.with(" at ", "angle") + r.with(", width ", "width");
 }
 
 std::string count_words(const FoundShape& r) {
@@ -321,6 +320,8 @@ std::string unknown_words(const FoundShape& r) {
   std::string text = escaped(r.found.what);
   if (r.found.order && *r.found.order > 0) text += ", order " + r.order_text();
   if (r.found.frequency) text += ", " + readable(*r.found.frequency, "Hz");
+  if (r.has("factor")) text += " times " + significant(r.figure("factor"), 4);
+  if (r.has("rate")) text += " by " + r.size(r.figure("rate")) + " per second";
   return text + r.of_amplitude(", amplitude ");
 }
 

@@ -34,7 +34,7 @@ Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t
   e.velocity = e.direction = Eigen::ArrayXd::Zero(measured.size());
   e.noise = sigma(e.encoder);
   if (e.ordered) {
-    const SmoothPath smooth = smooth_path(time, measured, e.step());
+    const SmoothPath smooth = smooth_path(time, measured, e.step(), true);
     e.path = smooth.position;
     e.velocity = smooth.velocity;
     e.direction = direction_of_motion(measured, 1.5 * e.step());

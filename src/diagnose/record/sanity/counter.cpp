@@ -212,6 +212,22 @@ double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor
   return reference.size() > 0 ? rms(read.counts * model.resolution - reference) : 0;
 }
 
+void check_turns(Sanity& s, std::size_t encoder) {
+  const auto column = s.log.find(LogSignal::counts, encoder);
+  if (!column || !s.log.columns[static_cast<std::size_t>(*column)].wraps.contradicted) return;
+  const Encoder& model = s.model.transmission.encoders[encoder];
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  if (reference.size() == 0) return;
+  const double turn = std::round(2 * std::numbers::pi / (model.resolution * std::abs(model.shaft_ratio)));
+  auto counts = s.log.values.col(*column);
+  const Eigen::ArrayXd apart = counts - reference;
+  double turns = 0;
+  for (Eigen::Index k = 1; k < apart.size(); ++k) {
+    turns += std::round((apart[k] - apart[k - 1]) / turn);
+    counts[k] -= turns * turn;
+  }
+}
+
 void check_rollover(Sanity& s, std::size_t encoder) {
   undo_specified_rollover(s, encoder);
   auto read = recorded_counts(s, encoder);

@@ -32,7 +32,8 @@ std::optional<JointPath> joint_path(const Sanity& s, std::size_t joint) {
   if (!time || !column) return std::nullopt;
   const Eigen::ArrayXd t = s.log.values.col(*time);
   const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
-  const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
+  // A load needs a smooth acceleration more than an exact velocity.
+  const SmoothPath path = smooth_path(t, s.log.values.col(*column), step, true);
   return JointPath{
       path.position, path.velocity,
       path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity};

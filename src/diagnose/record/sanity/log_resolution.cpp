@@ -43,6 +43,21 @@ void report_rounding(Sanity& s, std::size_t joint, double step) {
                                  residual_rms));
 }
 
+/// Whether values that are multiples of a step move by the same number of steps from row to row: then a
+/// steady motion makes them multiples, and no rounding. A rounded path keeps its change in nearly all rows
+/// only at such a speed, too.
+bool is_steady(const Eigen::ArrayXd& values, double step) {
+  constexpr double nearly_all = 0.98;
+  Eigen::Index moving = 0, same = 0;
+  for (Eigen::Index k = 2; k < values.size(); ++k) {
+    const double change = std::round((values[k] - values[k - 1]) / step);
+    if (change == 0) continue;
+    ++moving;
+    same += change == std::round((values[k - 1] - values[k - 2]) / step);
+  }
+  return static_cast<double>(same) > nearly_all * static_cast<double>(moving);
+}
+
 /// Counts that are all multiples of a number > 1 (beside a constant): a counter with fewer edges than the
 /// spec says, whose counts are divided by it.
 void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
@@ -50,9 +65,7 @@ void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   for (const double c : read.counts) divisor = std::gcd(divisor, std::llround(c - read.counts[0]));
   const auto every = static_cast<double>(divisor);
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
-  const Eigen::Index n = read.counts.size();
-  const Eigen::ArrayXd steps = read.counts.tail(n - 1) - read.counts.head(n - 1);
-  if (steps.maxCoeff() == steps.minCoeff()) return;  // a steady motion, by so many counts a row
+  if (is_steady(read.counts, every)) return;
   report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every);
   read.counts /= every;
   decode(s, read, encoder, 1 / every);
@@ -117,12 +130,17 @@ double reference_step(const Eigen::ArrayXd& reference, const Eigen::ArrayXd& cou
 void check_reference(Sanity& s, const RecordedCounts& read, std::size_t encoder) {
   const auto column = s.log.find(LogSignal::reference, encoder);
   if (!column || !s.log.has_time()) return;
-  const LogColumn& reference = s.log.columns[static_cast<std::size_t>(*column)];
+  LogColumn& reference = s.log.columns[static_cast<std::size_t>(*column)];
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const double of_file = reference.step();
   const double observed = reference_step(s.log.values.col(*column), read.counts);
   const double step = std::max(observed, of_file);
   if (step < 0.5 * resolution || peak_to_peak(s.log.values.col(*column)) < 8 * of_file) return;
+  if (step == of_file && is_steady(s.log.values.col(*column), step)) {
+    constexpr int of_double = 15;
+    reference.text.most_decimals = of_double;  // the decimals that are written are no rounding
+    return;
+  }
   const bool too_few_decimals = of_file > 0.5 * observed;
   s.warnings.push_back(reference.header + ": its values are multiples of " + significant(step, 4) + ' ' +
                        reference.unit + ", a count of the encoder is " + significant(resolution, 4) +

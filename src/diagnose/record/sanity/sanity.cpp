@@ -125,10 +125,10 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   if (s.log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
   sanity::check_exchange(s);
-  for (const auto step :
-       {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover, sanity::check_decoding,
-        sanity::check_frozen_reference, sanity::check_log_resolution, sanity::check_reference_grid,
-        sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output})
+  for (const auto step : {sanity::check_constant_columns, sanity::check_unit, sanity::check_turns,
+                          sanity::check_rollover, sanity::check_decoding, sanity::check_frozen_reference,
+                          sanity::check_log_resolution, sanity::check_reference_grid,
+                          sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_loads(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_stuck_bit(s, i);

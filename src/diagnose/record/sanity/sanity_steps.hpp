@@ -85,6 +85,8 @@ void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);
 void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
+/// Turns that were taken for wraps, until the counts went beyond one turn, are put back by the reference.
+void check_turns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
 void check_decoding(Sanity&, std::size_t encoder);
 void check_losses(Sanity&, std::size_t encoder);

@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "qerr/diagnose/diagnosis.hpp"
+#include "support/one_joint_record.hpp"
+
+/// Errors that no effect of the catalogue makes keep their own shape, and lend no effect a name.
+namespace qerr {
+namespace {
+
+constexpr double turn = 2 * std::numbers::pi;
+
+/// A table of even steps over whole turns, without time.
+Diagnosis of_table(int rows, double resolution, const Column& error) {
+  Machine m(1);
+  m.resolution = resolution;
+  m.path = Column::LinSpaced(rows, 0, (rows - 1) * turn / rows);
+  return diagnose(
+      model_of(m), {}, {},
+      qerr::log_of({{LogSignal::counts, m.counted(m.path + error), 0}, {LogSignal::reference, m.path}}));
+}
+
+TEST(UncataloguedShapes, ATableOfEvenStepsShowsNoOrderAboveHalfItsRows) {
+  for (const int rows : {48, 64, 100}) {
+    const double resolution = turn / 16384;
+    Column error(rows);
+    for (int k = 0; k < rows; ++k)
+      error[k] = resolution * (12 * std::sin(2 * turn * k / rows + 0.4) + 7 * std::sin(5 * turn * k / rows));
+    const Diagnosis d = of_table(rows, resolution, error);
+    EXPECT_FALSE(d.causes.empty() && d.unexplained.empty()) << rows;
+    for (const Cause& c : d.causes) EXPECT_LE(c.effect.number_or("order", 0), rows / 2.0) << rows;
+    for (const Unidentified& u : d.unexplained) EXPECT_LE(u.order.value_or(0), rows / 2.0) << rows;
+  }
+}
+
+TEST(UncataloguedShapes, AnOrderOfConstantAmplitudeKeepsItsName) {
+  constexpr int records = 12;
+  int right = 0;
+  for (unsigned seed = 1; seed <= records; ++seed) {
+    Machine m(800 + seed);
+    const double order = std::floor(m.between(30, 90)), size = m.between(3, 20) * m.resolution,
+                 phase = m.between(0, turn);
+    const Diagnosis d = diagnose(model_of(m), {}, {},
+                                 qerr::log_of(m, m.counted(m.path + size * (order * m.path + phase).sin())));
+    right += d.causes.size() == 1 && d.causes[0].effect.type == "transmission_error" &&
+             d.causes[0].effect.number("order") == order;
+  }
+  EXPECT_GE(right, records - 1);
+}
+
+TEST(UncataloguedShapes, AChangeInProportionToTimeHasARate) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Machine m(900 + seed);
+    const double rate = m.between(5, 40) * m.resolution * m.rate / m.rows;
+    const Diagnosis d = diagnose(model_of(m), {}, {}, qerr::log_of(m, m.counted(m.path + rate * m.time)));
+    ASSERT_EQ(d.unexplained.size(), 1U) << seed;
+    const auto found = d.unexplained[0].figures.find("rate");
+    ASSERT_NE(found, d.unexplained[0].figures.end()) << d.unexplained[0].what;
+    EXPECT_NEAR(found->second, rate, 0.02 * rate) << seed;
+    EXPECT_TRUE(d.causes.empty()) << seed;
+  }
+}
+
+/// What quantization and noise leave is known before anything is fitted.
+TEST(UncataloguedShapes, DoNotRaiseWhatQuantizationAndNoiseLeave) {
+  Machine m(41);
+  m.noise = 0.05 * m.resolution;
+  const Diagnosis d =
+      diagnose(model_of(m), {}, {},
+               qerr::log_of(m, m.counted(m.path + 20 * m.resolution * (0.11 * m.rate * m.time).sin())));
+  EXPECT_NEAR(d.gain.counts_after / d.gain.sigma_ratio, std::sqrt(1 / 12.0 + 0.05 * 0.05), 0.02);
+}
+
+/// Two joints of which the drive of the one moves the other.
+TEST(UncataloguedShapes, ACouplingLeftOutFollowsTheOtherJoint) {
+  Machine first(51), second(52);
+  second.rows = first.rows, second.rate = first.rate, second.time = first.time;
+  second.path = second.along(second.time * (first.rate / second.rate));
+  const double factor = 0.013;
+  OperationalModel model = model_of(first);
+  IndependentJoint joint;
+  joint.name = "hand";
+  model.chain.independent.push_back(joint);
+  model.transmission.encoders.push_back({second.resolution});
+  model.transmission.coupling = Eigen::MatrixXd::Identity(2, 2);
+  Log log = qerr::log_of({{LogSignal::time, first.time},
+                          {LogSignal::counts, first.counted(first.path), 0},
+                          {LogSignal::reference, first.reference()},
+                          {LogSignal::counts, second.counted(second.path + factor * first.path), 0},
+                          {LogSignal::reference, second.reference()}});
+  log.columns[3].index = log.columns[4].index = 1;
+  const Diagnosis d = diagnose(model, {}, {}, std::move(log));
+  ASSERT_EQ(d.unexplained.size(), 1U);
+  EXPECT_EQ(d.unexplained[0].joint, "hand");
+  EXPECT_EQ(d.unexplained[0].what, "follows the angle of arm");
+  EXPECT_NEAR(d.unexplained[0].figures.at("factor"), factor, 1e-4);
+}
+
+}  // namespace
+}  // namespace qerr
