@@ -151,6 +151,7 @@ def truth_of(case, machine, expected_verdict):
         out["log2"] = machine.gain(case.record2)
     if case.kind in "bc" and (simulated := simulated_rms(case)):
         out["simulate_rms"] = simulated
+        out["coupling"] = {j: dict(zip(joints, row)) for j, row in zip(joints, machine.coupling.tolist())}  # of the encoders
     if case.pairs:
         out["pair"], out["why"] = case.pairs, case.why
     return out

@@ -74,9 +74,11 @@ def simulated_rms(qerr, model, truth, folder, limit):
                 if None in row or None in row.values():
                     return math.inf  # a ragged row
                 samples += 1
+                encoders = {i: float(row[i + ".counts"]) * step for i, step in truth["resolution"].items()}
                 for j in joints:
                     reference = next(float(v) for k, v in row.items() if k.startswith(j + ".reference"))
-                    sums[j] += (float(row[j + ".counts"]) * truth["resolution"][j] - reference) ** 2
+                    measured = sum(factor * encoders[i] for i, factor in truth["coupling"][j].items())
+                    sums[j] += (measured - reference) ** 2
         ratios = [math.sqrt(sums[j] / samples) / truth["simulate_rms"][j] for j in joints]
     except (KeyError, ValueError, StopIteration, ZeroDivisionError, csv.Error):
         return math.inf
