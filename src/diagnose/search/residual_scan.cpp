@@ -283,6 +283,23 @@ bool is_no_whole_number(const ErrorModel& m, const Choice& c, std::size_t i) {
   return !(information > 0) || 1.96 * std::sqrt(m.scale(c) / information) > 0.25;
 }
 
+/// Whether another chosen order is so near that the record does not resolve the two, within the main lobe of
+/// its range, which is two spacings, and all of them leave something. Whole orders are nearly resolved by
+/// half a turn. One order whose amplitude varies, as that of teeth under a load, has such neighbours.
+/// Harmonics of a slower shaft are further apart than a quarter.
+bool is_beside_order(const ErrorModel& m, const Choice& c, std::size_t i) {
+  const auto order = [&](std::size_t k) {
+    const Term& t = m.term(c.chosen[k]);
+    return !t.harmonic ? 0 : t.named() ? std::abs(wave_number(t.effect, m.sampled().encoder)) : t.shape;
+  };
+  const double here = order(i), turn = 2 * std::numbers::pi, lobe = 2 * turn / m.sampled().range();
+  if (!m.sampled().prismatic && m.sampled().range() >= 0.5 * turn) return false;
+  if (!m.term(c.chosen[i]).named() || here == 0 || m.is_complete(c.chosen)) return false;
+  for (std::size_t k = 0; k < c.chosen.size(); ++k)
+    if (k != i && order(k) > 0 && std::abs(order(k) - here) < std::min(lobe, 0.25 * here)) return true;
+  return false;
+}
+
 /// Whether a name explains as much in many other places of the record: its columns, shifted in time, fit what
 /// the others leave as well as where they belong. So does any curve a slow error that has nothing to do with
 /// it. A shift by a period of the motion changes nothing, and is left out.
@@ -320,7 +337,7 @@ std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) 
   std::vector<std::string> families;
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
-        is_part_of_curve(m, c, i) || fits_anywhere(m, c, i))
+        is_part_of_curve(m, c, i) || is_beside_order(m, c, i) || fits_anywhere(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
 }

@@ -21,6 +21,8 @@ bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 ///   squares against that of orders beside it, error rate 0.1 %);
 /// - an order above 1 of which less than half a period is seen, beside an uncatalogued shape or an order of
 ///   which less than a period is: together they are one curve, as other orders make it, too;
+/// - an order beside another one that the record does not resolve from it, where all together
+///   leave something;
 /// - a name that explains little without the uncatalogued shapes: it only corrects these;
 /// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed;
 /// - a name that, beside a correlated remainder, explains as much where its columns are shifted in time.
