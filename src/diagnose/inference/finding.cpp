@@ -28,7 +28,8 @@ Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
     s.p_values.push_back(c.p_value);
     s.lost.push_back(c.lost);
   }
-  for (const Replacement& r : found.replacements) s.alternatives.push_back({r.instead_of, r.effect});
+  for (const Replacement& r : found.replacements)
+    s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
   if (!found.chosen.empty()) s.model.fit();
   return s;
 }
@@ -144,6 +145,32 @@ bool lowers_residual(const HeldOut& held) {
   return after < 0.998 * before;
 }
 
+/// The causes with an alternative in the place of one of them, without those that it makes needless:
+/// harmonics and the mean of a shape are no causes of their own. Empty where none of them becomes needless,
+/// or more remains. Physics decides: what the simulation of all leaves.
+std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCauses& found,
+                                        const Explanation& model) {
+  constexpr double as_much = 1.01;
+  for (const Replacement& r : found.replacements) {
+    FoundCauses other = found;
+    other.chosen[r.instead_of].candidate = r.candidate;
+    other.replacements.clear();
+    bool any = false;
+    std::optional<Explanation> fitted;
+    while (other.chosen.size() > 1) {  // each round has one term less
+      fitted = simulated_fit(sampling, selection_of(sampling, other).model);
+      const auto needless = needless_term(*fitted);
+      if (!needless) break;
+      drop(other, *needless);
+      any = true;
+    }
+    if (any && fitted &&
+        left_by_simulation(sampling, *fitted) < as_much * left_by_simulation(sampling, model))
+      return other;
+  }
+  return std::nullopt;
+}
+
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {
   auto f = std::make_unique<Finding>();
   f->sampling.emplace(record, independent_rows(record, seed, enough_rows));
@@ -181,6 +208,11 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     select();
   }
   fit_by_simulation();
+  if (auto fewer = fewer_causes(*f->sampling, found, f->selection->model)) {
+    found = std::move(*fewer);
+    select();
+    fit_by_simulation();
+  }
   f->visible = found.visible;
   f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   // Displaced edges have any high order where the rows beat with them.

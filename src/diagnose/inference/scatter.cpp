@@ -47,7 +47,8 @@ double EdgePattern::largest() const {
 EdgePattern edge_pattern(const Evidence& e, const Explanation& m) {
   EdgePattern p;
   const Eigen::Index n = e.rows();
-  if (!e.counted || n < blocks * fewest_rows) return p;
+  // A reference that is coarser than a count has a pattern of its own over the counts.
+  if (!e.counted || e.path_noise > e.step() || n < blocks * fewest_rows) return p;
   // In counts, with the edges at whole numbers: edge k at the position k.
   const Eigen::ArrayXd position = (e.path + m.addition()) / e.step() + below_reading(e.encoder);
   Eigen::MatrixXd contrasts(blocks, patterns);

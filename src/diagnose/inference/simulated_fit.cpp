@@ -110,6 +110,10 @@ SimulatedReadings simulated_readings(const Sampling& s, const Explanation& m) {
   return {square(measured), square(reading) + variance, square(measured - mean_error(e.encoder) - added)};
 }
 
+double left_by_simulation(const Sampling& s, const Explanation& m) {
+  return rms_of(s.evidence, unexplained_by_others(s, m) - simulated(s, m, coefficients_of(m)));
+}
+
 bool is_reproduced(const Sampling& s, const Explanation& m) {
   constexpr double tenth = 1.1, rounding = 0.02;  // counts
   const Evidence& e = s.evidence;
@@ -120,8 +124,7 @@ bool is_reproduced(const Sampling& s, const Explanation& m) {
   for (std::size_t i = 0; i < m.terms().size(); ++i)
     if (m.terms()[i].named()) of_terms -= addition(m.terms()[i], m.coefficients(i));
   const double left = rms_of(e, of_terms), allowed = rounding * e.step();
-  return rms_of(e, others - simulated(s, m, coefficients_of(m))) <= tenth * left + allowed &&
-         left <= tenth * std::sqrt(floor) + allowed;
+  return left_by_simulation(s, m) <= tenth * left + allowed && left <= tenth * std::sqrt(floor) + allowed;
 }
 
 Explanation simulated_fit(const Sampling& s, const Explanation& model) {

@@ -20,6 +20,10 @@ struct SimulatedReadings {
 /// The named effects of a model, simulated along the record and rounded.
 SimulatedReadings simulated_readings(const Sampling&, const Explanation&);
 
+/// Rms of the readings less their rounding's mean, the simulation and what terms without a name add [rad or
+/// m].
+double left_by_simulation(const Sampling&, const Explanation&);
+
 /// Whether the simulation leaves as much as the model says, and that as much as quantization and the noise of
 /// the reference alone, to a tenth.
 bool is_reproduced(const Sampling&, const Explanation&);

@@ -258,7 +258,7 @@ void find_replacements(const ErrorModel& m, const Choice& choice, std::size_t i,
     // against it; of a large error, it may be the idealization of its shape.
     const bool near = left < (1 - alternative_share) * lost &&
                       (!complete || (left < 2 * least && lost > 2 * least / (1 - alternative_share)));
-    if (likely || near) result.replacements.push_back({result.chosen.size(), m.term(g).effect});
+    if (likely || near) result.replacements.push_back({result.chosen.size(), m.candidate(g)});
   }
 }
 

@@ -23,7 +23,7 @@ struct ChosenTerm {
 /// A term that explains as much in the place of a chosen one.
 struct Replacement {
   std::size_t instead_of = 0;  ///< number of the chosen term
-  Effect effect;
+  Candidate candidate;
 };
 
 /// Smallest size of an effect that a record would have shown.

@@ -271,7 +271,7 @@ class Candidates {
       add_history("relaxation", "settling", constant, 2 * constants,
                   [constant](const Sampling& s) { return settling_term(s, constant); });
     add_plain("speed", 1, [](const RecordSignals& s) { return speed_term(s); });
-    if (e_.counted)
+    if (e_.counted && e_.path_noise < e_.step())
       add_history("states", "states", 0, 1, [](const Sampling& s) { return state_pattern_term(s); });
   }
 

@@ -38,6 +38,9 @@ Term sized_term(const RecordSignals& s, Shape pattern, std::string what, Eigen::
   return t;
 }
 
+/// Part of a change in time that is not in proportion to it, up to which its rate is stated (convention).
+constexpr double mostly_straight = 0.3;
+
 Eigen::ArrayXd risen(const RecordSignals& s, double since, double time_constant) {
   return (s.time >= since).select(1 - (-(s.time - since).max(0.0) / time_constant).exp(), 0.0);
 }
@@ -49,7 +52,16 @@ Term position_table_term(const RecordSignals& s, Eigen::Index knots) {
 }
 
 Term time_table_term(const RecordSignals& s, Eigen::Index knots) {
-  return unnamed_term(s, Shape::unknown, "changes slowly in time", hats(s.time, knots));
+  // By the time between knots: the differences of the coefficients are rates.
+  const double spacing = (s.time[s.rows() - 1] - s.time[0]) / static_cast<double>(knots - 1);
+  Term t = unnamed_term(s, Shape::unknown, "changes slowly in time", spacing * hats(s.time, knots));
+  t.fill = [](Effect& e, const Eigen::VectorXd& c) {
+    const auto n = static_cast<double>(c.size());
+    const double rate = c[c.size() - 1] / n;
+    if ((c - Eigen::VectorXd::LinSpaced(c.size(), rate, n * rate)).norm() < mostly_straight * c.norm())
+      e.numbers["rate"] = rate;
+  };
+  return t;
 }
 
 namespace {
@@ -75,15 +87,24 @@ Term position_polynomial_term(const RecordSignals& s, int degree) {
   return unnamed_term(s, Shape::unknown, "a curved function of the position", legendre(s.path, degree));
 }
 
+const char* const next_of_rate =
+    "look for lost remainders of a conversion, a leak of an integrator, or clocks that differ";
+
 Term steady_change_term(const RecordSignals& s) {
   Term t = unnamed_term(s, Shape::unknown, "changes steadily in time", s.time);
   t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["rate"] = c[0]; };
-  t.next = "look for lost remainders of a conversion, a leak of an integrator, or clocks that differ";
+  t.next = next_of_rate;
   return t;
 }
 
 Term time_polynomial_term(const RecordSignals& s, int degree) {
-  return unnamed_term(s, Shape::unknown, "changes slowly in time", legendre(s.time, degree));
+  // By half the duration: the coefficient of the straight line is a rate.
+  const double half = 0.5 * (s.time[s.rows() - 1] - s.time[0]);
+  Term t = unnamed_term(s, Shape::unknown, "changes slowly in time", half * legendre(s.time, degree));
+  t.fill = [](Effect& e, const Eigen::VectorXd& c) {
+    if (c.tail(c.size() - 1).norm() < mostly_straight * std::abs(c[0])) e.numbers["rate"] = c[0];
+  };
+  return t;
 }
 
 Term loaded_order_term(const RecordSignals& s, double order) {
@@ -96,8 +117,8 @@ Term loaded_order_term(const RecordSignals& s, double order) {
 }
 
 Term coupling_term(const Sampling& s, const Evidence& other) {
-  Term t = unnamed_term(s.evidence, Shape::unknown, "follows the angle of " + other.joint,
-                        s.averaged(other.path - other.path.mean()));
+  Term t =
+      unnamed_term(s.evidence, Shape::unknown, "follows the angle of " + other.joint, s.averaged(other.path));
   t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; };
   t.next = "the drive moves one joint with another: state the transmission's coupling in the spec";
   return t;

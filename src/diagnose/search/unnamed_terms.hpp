@@ -20,6 +20,7 @@ Term position_polynomial_term(const RecordSignals&, int degree);
 Term time_polynomial_term(const RecordSignals&, int degree);
 
 /// In proportion to time.
+extern const char* const next_of_rate;  ///< what to inspect where an error has a rate in time
 Term steady_change_term(const RecordSignals&);
 
 /// A sine of the joint's angle [periods per rad or m * 2 pi] whose amplitude is proportional to the effort.

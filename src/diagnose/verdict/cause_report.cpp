@@ -10,6 +10,7 @@
 
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -101,7 +102,7 @@ class CauseReport {
   void add_unnamed(const Term& t, const Effect& filled, double amplitude) {
     Unidentified u{e_.joint, t.unnamed, order_of(filled), frequency_of(filled), amplitude, t.pattern};
     u.figures = filled.numbers;
-    u.next = t.next;
+    u.next = t.next.empty() && filled.numbers.count("rate") > 0 ? next_of_rate : t.next;
     d_.unexplained.push_back(std::move(u));
   }
 

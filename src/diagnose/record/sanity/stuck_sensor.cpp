@@ -20,15 +20,19 @@ constexpr double unrelated_slope = 0.02;
 /// thirtieth of what quantization leaves (convention).
 constexpr double copied = 0.01;
 
-/// Rows in which a signal does not change: first, and one past the last.
+/// Rows in which a signal does not change by more than a width: first, and one past the last.
 struct ConstantRun {
   Eigen::Index first, end;
 };
 
-std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal) {
+std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal, double width = 0) {
   std::vector<ConstantRun> runs;
   for (Eigen::Index first = 0, end = 0; first < signal.size(); first = end) {
-    while (end < signal.size() && signal[end] == signal[first]) ++end;
+    double lowest = signal[first], highest = lowest;
+    for (; end < signal.size(); ++end) {
+      lowest = std::min(lowest, signal[end]), highest = std::max(highest, signal[end]);
+      if (highest - lowest > width) break;
+    }
     runs.push_back({first, end});
   }
   return runs;
@@ -95,10 +99,19 @@ std::vector<StandingReference> frozen(const Eigen::ArrayXd& counts, const Eigen:
   return {};
 }
 
+/// Changes between two counts that are no chance (convention).
+constexpr Eigen::Index fewest_changes = 4;
+
+Eigen::Index changes_in(const ConstantRun& run, const Eigen::ArrayXd& counts) {
+  const Eigen::Index n = run.end - run.first - 1;
+  return n < 1 ? 0 : (counts.segment(run.first + 1, n) != counts.segment(run.first, n)).count();
+}
+
 /// Motion of the reference that a stuck sensor misses during a run, 0 if the sensor is not stuck [counts].
 ///
 /// A stuck sensor makes up for the motion with a jump at the end of the run. After a gap in the record, or
-/// where counts are lost, it does not.
+/// where counts are lost, it does not; a counter that goes to and fro between two counts, as one channel of a
+/// quadrature encoder makes it, has no need to: no play does that.
 double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
   const Eigen::Index n = counts.size();
   if (run.end - run.first < 5) return 0;
@@ -108,9 +121,9 @@ double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eig
   const double within = std::abs(reference[run.end - 1] - reference[run.first]);
   const bool catches_up = jump * moved > 0 && std::abs(jump - moved) < 0.2 * std::abs(moved) + 2;
   const bool has_end = run.end < n || run.first == 0 || run.end - run.first > n / 100;
-  const bool stuck =
-      within >= 0.5 * missed_motion && std::abs(moved) >= missed_motion && catches_up && has_end;
-  return stuck ? std::abs(moved) : 0;
+  const bool stuck = within >= 0.5 * missed_motion && std::abs(moved) >= missed_motion &&
+                     (catches_up || changes_in(run, counts) >= fewest_changes) && has_end;
+  return stuck ? std::max(std::abs(moved), within) : 0;
 }
 
 }  // namespace
@@ -220,14 +233,16 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   const Eigen::Index n = read->counts.size();
   std::vector<Eigen::Index> kept;
   double missed = 0;
-  Eigen::Index since = 0;
-  for (const ConstantRun& run : constant_runs(read->counts)) {
+  ConstantRun longest{};
+  constexpr double one_count = 1.5;
+  for (const ConstantRun& run : constant_runs(read->counts, one_count)) {
     const double here = missed_in(run, read->counts, reference);
-    if (here > missed) missed = here, since = run.first;
+    if (here > missed) missed = here, longest = run;
     for (Eigen::Index k = run.first; k < (here > 0 ? run.first + 1 : run.end); ++k) kept.push_back(k);
   }
   if (missed == 0) return;
   const LogColumn& column = s.log.columns[static_cast<std::size_t>(read->column)];
+  const Eigen::Index since = longest.first;
   const auto excluded = static_cast<std::size_t>(n) - kept.size();
   if (column.held > 0) {  // the sensor may have been read, and not recorded
     s.data.push_back({"the encoder has no value while its reference moves by " + significant(missed, 4) +
@@ -238,12 +253,17 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
     keep_rows(s, kept);
     return;
   }
+  const bool toggles = changes_in(longest, read->counts) >= fewest_changes;
+  const std::string does = toggles ? "goes to and fro between two counts" : "is constant";
   s.unexplained.push_back({s.model.chain.independent[encoder].name,
-                           "the encoder is constant for some time, then jumps to its reference",
+                           "the encoder " + does + " for some time" +
+                               (toggles           ? ", as with one channel of a quadrature encoder dead"
+                                : longest.end < n ? ", then jumps to its reference"
+                                                  : ", to the end of the record"),
                            {},
                            {},
                            missed * resolution});
-  s.warnings.push_back(column.header + ": constant from " + significant(*time_of(s, since), 4) +
+  s.warnings.push_back(column.header + ": " + does + " from " + significant(*time_of(s, since), 4) +
                        " s on while its reference moves by " + significant(missed, 4) +
                        " counts: " + std::to_string(excluded) + " rows are excluded");
   keep_rows(s, kept);
