@@ -1,11 +1,40 @@
 #include "effect/term.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
+
+namespace {
+
+/// Reversals of a signal by more than a width.
+Eigen::Index turns(const Eigen::ArrayXd& x, double width) {
+  Eigen::Index count = 0;
+  double side = 0, extreme = x[0];
+  for (const double value : x) {
+    const double by = value - extreme;
+    if (side == 0 ? std::abs(by) > width : side * by < -width) {
+      count += side != 0;
+      side = by > 0 ? 1 : -1;
+      extreme = value;
+    } else if (side * by > 0) {
+      extreme = value;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+bool RecordSignals::readings_drive(double gap) const {
+  constexpr double counts = 3, quiet = 1.5;
+  if (coupled() || measured.size() != rows() || !(gap > counts * step())) return false;
+  constexpr double half = 0.5;  // between two directions, of -1 and 1
+  return turns(measured, quiet * step()) <= 2 * turns(direction, half) + 4;
+}
 
 Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {
   Eigen::ArrayXd added = (t.columns.matrix() * coefficients).array();

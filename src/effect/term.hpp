@@ -24,6 +24,7 @@ struct RecordSignals {
   Eigen::ArrayXd velocity;      ///< of the path [rad/s or m/s]
   Eigen::ArrayXd acceleration;  ///< of the joint's own path [rad/s^2 or m/s^2]; empty where it is not known
   Eigen::ArrayXd direction;     ///< direction of the joint's last motion: -1, +1, or 0 before the first
+  Eigen::ArrayXd measured;      ///< readings as recorded [rad or m]; empty in a plan
   /// The joint's own position and velocity where its encoder measures other joints too (coupling); else
   /// empty.
   Eigen::ArrayXd joint_path, joint_velocity;
@@ -40,6 +41,9 @@ struct RecordSignals {
   /// Whether the encoder moves by less than 8 counts (convention): effects of position and speed are then not
   /// identifiable.
   bool is_stationary() const { return range() < 8 * step(); }
+  /// Whether the readings tell where the drive of a play of this width is: it has three counts or more, and
+  /// they turn round hardly more often than the joint. Readings that noise turns round do not.
+  bool readings_drive(double gap) const;
 };
 
 /// A candidate cause of an encoder's error in a regression: its regressors, and the map from their

@@ -32,7 +32,6 @@ Eigen::ArrayXd encoder_measured(const OperationalModel&, const Log&, Eigen::Inde
 struct Evidence : RecordSignals {
   Eigen::Index number = 0;      ///< of the encoder
   Eigen::ArrayXd reference;     ///< of the reference sensor [rad or m]
-  Eigen::ArrayXd measured;      ///< as recorded [rad or m]
   Eigen::ArrayXd random_sigma;  ///< standard deviation of the spec's random effects [rad or m]; empty: none
   double noise = 0;             ///< standard deviation of the reference's noise [rad or m]
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]

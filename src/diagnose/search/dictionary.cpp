@@ -99,24 +99,24 @@ class Candidates {
     return qerr::family_of_order(wave_number(t.effect, e_.encoder));
   }
 
-  /// A hysteresis that the reference's path drives, at sizes for which its column is computed from the
-  /// motion. Readings cannot drive it: the operator would take their noise for play.
+  /// A hysteresis at sizes for which its column is computed from what drives it: the reference's path, or the
+  /// readings where they are quiet; the operator would take their noise for play.
   void add_sizes(const Term& original, const std::string& family) {
-    if (!original.of_reference) return;
     const Evidence& r = *s_.record;
     std::vector<double> sizes = scanned_.hystereses;
     const double low = std::max(r.step(), 12 * r.path_noise), high = 0.6 * r.range();
     if (sizes.empty() && high > low)
       sizes = series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low))));
     for (const double size : sizes) {
-      if (size < low) continue;
+      if (original.of_reference ? size < low : !r.readings_drive(size)) continue;
       const auto over = [original, size](const Sampling& s) {
         Term t = original;
-        t.columns = s.averaged(original.hysteresis(s.record->path, size));
+        t.columns = s.averaged(
+            original.hysteresis(original.of_reference ? s.record->path : s.record->measured, size));
         return t;
       };
-      found_.push_back({history(family, size, over), family, static_cast<double>(sizes.size()), size / 1.5,
-                        size * 1.5, 0, over});
+      found_.push_back({history(family + (original.of_reference ? " of the load" : ""), size, over), family,
+                        static_cast<double>(sizes.size()), size / 1.5, size * 1.5, 0, over});
     }
   }
 

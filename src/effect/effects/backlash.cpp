@@ -68,42 +68,45 @@ std::vector<Term> terms(const RecordSignals& s) {
 }  // namespace
 
 EffectKind backlash_effect() {
-  return {.name = "backlash",
-          .summary = "play between encoder and joint",
-          .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
-          .stage = Stage::gear,
-          .parameters = {{.name = "gap",
-                          .meaning = "full width of the play",
-                          .required = true,
-                          .least = 0,
-                          .most = 10,  // above a revolution, or of a machine tool's size in m
-                          .coordinate = true},
-                         {.name = "side",
-                          .kind = Kind::choice,
-                          .meaning = "side of the play on which the encoder is",
-                          .choices = "drive|load"}},
-          .action = action,
-          .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
-            const double half = 0.5 * e.number("gap");
-            return Share{0, half, half, Spectrum::motion, e.number("gap")};
+  return {
+      .name = "backlash",
+      .summary = "play between encoder and joint",
+      .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
+      .stage = Stage::gear,
+      .parameters = {{.name = "gap",
+                      .meaning = "full width of the play",
+                      .required = true,
+                      .least = 0,
+                      .most = 10,  // above a revolution, or of a machine tool's size in m
+                      .coordinate = true},
+                     {.name = "side",
+                      .kind = Kind::choice,
+                      .meaning = "side of the play on which the encoder is",
+                      .choices = "drive|load"}},
+      .action = action,
+      .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+        const double half = 0.5 * e.number("gap");
+        return Share{0, half, half, Spectrum::motion, e.number("gap")};
+      },
+      .in_loop =
+          [](const Effect& e, const Encoder&, LoopReading& r) {
+            r.play += e.number("gap");
+            r.behind_play = lags(e);
           },
-          .in_loop =
-              [](const Effect& e, const Encoder&, LoopReading& r) {
-                r.play += e.number("gap");
-                r.behind_play = lags(e);
-              },
-          .terms = terms,
-          // The record's side of motion ignores reversals within the reference's noise; the action would not.
-          .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
-            const double gap = e.number("gap");
-            if (lags(e) && gap > 0) return gap * lag(s.joint_angle(), gap);
-            return 0.5 * gap * s.direction;
-          },
-          // The gear's periodic errors depend on the angle after the play.
-          .first_in_stage = true,
-          .remedy = {true,
-                     "add or subtract half the gap by the last direction of motion; not possible around "
-                     "reversals"}};
+      .terms = terms,
+      // The record's side of motion ignores reversals within the reference's noise; the action would not.
+      // While the drive crosses the play the joint stands still: only the readings tell where the drive is.
+      .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
+        const double gap = e.number("gap");
+        if (lags(e) && gap > 0) return gap * lag(s.joint_angle(), gap);
+        if (s.readings_drive(gap)) return gap * lead(s.measured, gap);
+        return 0.5 * gap * s.direction;
+      },
+      // The gear's periodic errors depend on the angle after the play.
+      .first_in_stage = true,
+      .remedy = {true,
+                 "add or subtract half the gap by the last direction of motion; not possible around "
+                 "reversals"}};
 }
 
 }  // namespace qerr

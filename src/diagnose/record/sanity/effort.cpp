@@ -251,6 +251,7 @@ struct EffortParts {
   double factor = 0;  ///< of the load by the URDF's masses; 0: not known
   double dry = 0;     ///< friction [unit of the effort]
   Eigen::ArrayXd friction, by_acceleration;
+  Eigen::ArrayXd gravity;  ///< by sine and cosine of the joint's angle; empty where masses are known
 };
 
 /// @param loads  null: gravity takes its place, by sine and cosine of the joint's angle
@@ -267,6 +268,7 @@ EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const
   EffortParts p{0, std::abs(r.coefficients[0]),
                 r.coefficients[0] * direction + r.coefficients[1] * m.velocity,
                 r.coefficients[2] * m.acceleration};
+  if (!loads) p.gravity = r.coefficients[3] * m.position.sin() + r.coefficients[4] * m.position.cos();
   const double left = r.residual_rms;
   if (loads && std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
       std::abs(r.coefficients[3]) * standard_deviation(l.sampled) > 3 * left)
@@ -317,7 +319,12 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   if (standard_deviation(effort) == 0) return;
   const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
   const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
-  const Deflecting free = deflecting(effort - parts.friction, parts.by_acceleration, error);
+  Deflecting free = deflecting(effort - parts.friction, parts.by_acceleration, error);
+  // A current has noise, and friction that no straight line describes: of a single joint the load is smooth.
+  if (parts.gravity.size() > 0) {
+    Deflecting smooth = deflecting(parts.gravity + parts.by_acceleration, parts.by_acceleration, error);
+    if (smooth.residual_rms < matters * free.residual_rms) free = std::move(smooth);
+  }
   Deflecting modelled{{}, std::numeric_limits<double>::infinity()};
   if (loads) {
     modelled.load = loads->at_all(effort.size());
