@@ -230,17 +230,19 @@ struct Deflecting {
   double residual_rms = 0;
 };
 
-/// @param load   without friction
-/// @param rotor  what the acceleration adds to the effort: of it, the share of the rotor does not deflect the
-///   gear, and is taken off as the error tells
-Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& rotor, const Eigen::ArrayXd& error) {
+/// @param load   without dry friction
+/// @param parts  columns of the effort of which an unknown share acts before the gear and does not deflect
+/// it,
+///   as what accelerates the rotor and the friction of its bearings: it is taken off as the error tells
+Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::MatrixXd& parts, const Eigen::ArrayXd& error) {
   const double alone = regression(load.matrix(), error).residual_rms;
-  Eigen::MatrixXd columns(load.size(), 2);
-  columns << load.matrix(), rotor.matrix();
-  const Regression both = regression(columns, error);
-  if (both.coefficients[0] == 0) return {load, alone};
-  const double share = std::clamp(-both.coefficients[1] / both.coefficients[0], 0.0, 1.0);
-  const Eigen::ArrayXd less = load - share * rotor;
+  Eigen::MatrixXd columns(load.size(), parts.cols() + 1);
+  columns << load.matrix(), parts;
+  const Regression all = regression(columns, error);
+  if (all.coefficients[0] == 0) return {load, alone};
+  const Eigen::VectorXd shares =
+      (-all.coefficients.segment(1, parts.cols()) / all.coefficients[0]).cwiseMax(0.0).cwiseMin(1.0);
+  const Eigen::ArrayXd less = load - (parts * shares).array();
   const double left = regression(less.matrix(), error).residual_rms;
   return left > matters * alone ? Deflecting{load, alone} : Deflecting{less, left};
 }
@@ -250,8 +252,9 @@ Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::ArrayXd& rotor, c
 struct EffortParts {
   double factor = 0;  ///< of the load by the URDF's masses; 0: not known
   double dry = 0;     ///< friction [unit of the effort]
-  Eigen::ArrayXd friction, by_acceleration;
-  Eigen::ArrayXd gravity;  ///< by sine and cosine of the joint's angle; empty where masses are known
+  Eigen::ArrayXd dry_friction;
+  Eigen::MatrixXd on_both_sides;  ///< of the gear: by speed, by acceleration
+  Eigen::ArrayXd gravity;         ///< by sine and cosine of the joint's angle; empty where masses are known
 };
 
 /// @param loads  null: gravity takes its place, by sine and cosine of the joint's angle
@@ -265,9 +268,9 @@ EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const
       loads ? Eigen::MatrixXd(l.sampled.matrix())
             : (Eigen::MatrixXd(sampled.size(), 2) << m.position.sin(), m.position.cos()).finished();
   const Regression r = regression(columns, sampled);
-  EffortParts p{0, std::abs(r.coefficients[0]),
-                r.coefficients[0] * direction + r.coefficients[1] * m.velocity,
-                r.coefficients[2] * m.acceleration};
+  EffortParts p{
+      0, std::abs(r.coefficients[0]), r.coefficients[0] * direction, Eigen::MatrixXd(effort.size(), 2), {}};
+  p.on_both_sides << r.coefficients[1] * m.velocity.matrix(), r.coefficients[2] * m.acceleration.matrix();
   if (!loads) p.gravity = r.coefficients[3] * m.position.sin() + r.coefficients[4] * m.position.cos();
   const double left = r.residual_rms;
   if (loads && std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
@@ -319,10 +322,11 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   if (standard_deviation(effort) == 0) return;
   const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
   const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
-  Deflecting free = deflecting(effort - parts.friction, parts.by_acceleration, error);
+  Deflecting free = deflecting(effort - parts.dry_friction, parts.on_both_sides, error);
   // A current has noise, and friction that no straight line describes: of a single joint the load is smooth.
   if (parts.gravity.size() > 0) {
-    Deflecting smooth = deflecting(parts.gravity + parts.by_acceleration, parts.by_acceleration, error);
+    Deflecting smooth =
+        deflecting(parts.gravity + parts.on_both_sides.rowwise().sum().array(), parts.on_both_sides, error);
     if (smooth.residual_rms < matters * free.residual_rms) free = std::move(smooth);
   }
   Deflecting modelled{{}, std::numeric_limits<double>::infinity()};
@@ -347,6 +351,16 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   }
   if (free.residual_rms < matters * plain) s.log.values.col(*column) = free.load;
   if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
+  const std::string force = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+  if (parts.factor == 0 && head.unit != force)
+    s.data.push_back({head.header + ": no masses tell what 1 " + head.unit + " is in " + force +
+                          ": a compliance of " + s.model.chain.independent[joint].name + " is per " +
+                          head.unit + " here",
+                      s.model.chain.independent[joint].name,
+                      {},
+                      {},
+                      "write the effort in " + force +
+                          " at the joint, by the motor's torque constant and the gear ratio"});
 }
 
 /// Gravity's load by the masses of the URDF, for a tracked arm whose log has no efforts. Beside a joint's
