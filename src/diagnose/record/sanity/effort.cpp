@@ -230,21 +230,25 @@ struct Deflecting {
   double residual_rms = 0;
 };
 
-/// @param load   without dry friction
-/// @param parts  columns of the effort of which an unknown share acts before the gear and does not deflect
-/// it,
-///   as what accelerates the rotor and the friction of its bearings: it is taken off as the error tells
-Deflecting deflecting(const Eigen::ArrayXd& load, const Eigen::MatrixXd& parts, const Eigen::ArrayXd& error) {
-  const double alone = regression(load.matrix(), error).residual_rms;
-  Eigen::MatrixXd columns(load.size(), parts.cols() + 1);
-  columns << load.matrix(), parts;
+/// What of an effort deflects the gear: it, less the shares of its parts that act before the gear.
+/// @param effort  without dry friction
+/// @param parts   columns of it by the speed and by the acceleration: friction, and what accelerates the
+/// rotor
+///   and the link. Their shares are what the error tells, where they leave less of it than all friction by
+///   the speed and no acceleration before the gear.
+Deflecting deflecting(const Eigen::ArrayXd& effort, const Eigen::MatrixXd& parts,
+                      const Eigen::ArrayXd& error) {
+  const Eigen::ArrayXd plain = effort - parts.col(0).array();
+  const double alone = regression(plain.matrix(), error).residual_rms;
+  Eigen::MatrixXd columns(effort.size(), parts.cols() + 1);
+  columns << effort.matrix(), parts;
   const Regression all = regression(columns, error);
-  if (all.coefficients[0] == 0) return {load, alone};
+  if (all.coefficients[0] == 0) return {plain, alone};
   const Eigen::VectorXd shares =
       (-all.coefficients.segment(1, parts.cols()) / all.coefficients[0]).cwiseMax(0.0).cwiseMin(1.0);
-  const Eigen::ArrayXd less = load - (parts * shares).array();
+  const Eigen::ArrayXd less = effort - (parts * shares).array();
   const double left = regression(less.matrix(), error).residual_rms;
-  return left > matters * alone ? Deflecting{load, alone} : Deflecting{less, left};
+  return left > matters * alone ? Deflecting{plain, alone} : Deflecting{less, left};
 }
 
 /// An effort by least squares: factor load + friction by direction and speed + inertia acceleration +
