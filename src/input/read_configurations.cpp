@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -39,13 +40,10 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   return limits;
 }
 
-/// The limits of a continuous joint must be given by the spec, those of any other joint by the URDF.
-Fault no_limits(const Object& o, const RobotModel& robot, const IndependentJoint& joint) {
+/// Of a joint that must have limits: the spec's, or the URDF's.
+Fault no_limits(const RobotModel& robot, const IndependentJoint& joint) {
   const std::string in_spec = "configurations: {limits: {" + joint.name + ": " +
                               (joint.prismatic() ? "[0, 500 mm]" : "[-180 deg, 180 deg]") + "}}";
-  if (joint.type == JointType::continuous)
-    return {o.self().node->place, "configurations.limits." + joint.name,
-            "a continuous joint has no limits to sample in", "", "add its range, such as " + in_spec};
   const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
                                     [&](const Joint& j) { return j.name == joint.name; });
   return {in_urdf->place, "joint '" + joint.name + "'",
@@ -97,13 +95,26 @@ std::vector<std::optional<Limits>> given_limits(const Object& o, const RobotMode
   return given;
 }
 
+/// A turn has all positions of a continuous joint.
+void warn_of_whole_turns(const std::vector<std::string>& joints, std::vector<std::string>& warnings) {
+  if (joints.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(joints.size(), most_named); ++i)
+    names += (i > 0 ? ", '" : "'") + joints[i] + "'";
+  if (joints.size() > most_named) names += " and " + std::to_string(joints.size() - most_named) + " more";
+  warnings.push_back("continuous joints without limits, " + names +
+                     ": a whole turn is sampled, -180 to 180 deg; configurations: {limits: {" +
+                     joints.front() + ": [-90 deg, 90 deg]}} narrows it");
+}
+
 /// The range of every joint: the limits of the spec, else of the URDF. A continuous joint without limits is
-/// unbounded where the configurations are given as points, and a fault otherwise.
+/// unbounded where the configurations are given as points, and has a whole turn otherwise.
 std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& spec, Faults& faults) {
   const bool given_points = o.has("points") || o.has("file");
   const Chain& chain = spec.model.chain;
   const std::vector<std::optional<Limits>> given = given_limits(o, robot, spec, faults);
   std::vector<Limits> ranges(chain.independent.size());
+  std::vector<std::string> whole_turns;
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const IndependentJoint& joint = chain.independent[i];
     if (given[i]) {
@@ -112,10 +123,14 @@ std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& 
       ranges[i] = {-infinity, infinity};
     } else if (joint.limits) {
       ranges[i] = *joint.limits;
+    } else if (joint.type == JointType::continuous) {
+      ranges[i] = {-std::numbers::pi, std::numbers::pi};
+      whole_turns.push_back(joint.name);
     } else {
-      faults.guard([&] { throw Error(no_limits(o, robot, joint)); });
+      faults.guard([&] { throw Error(no_limits(robot, joint)); });
     }
   }
+  warn_of_whole_turns(whole_turns, spec.warnings);
   if (!given_points && !faults.any()) warn_of_empty_ranges(chain, ranges, spec.warnings);
   return ranges;
 }

@@ -211,6 +211,7 @@ void add_tip(const TipDiagnosis& tip, bool joints_judged, Diagnosis& d) {
   d.causes.insert(d.causes.end(), tip.causes.begin(), tip.causes.end());
   d.alternatives.insert(d.alternatives.end(), tip.alternatives.begin(), tip.alternatives.end());
   d.unexplained.insert(d.unexplained.end(), tip.unexplained.begin(), tip.unexplained.end());
+  d.data.insert(d.data.end(), tip.data.begin(), tip.data.end());
   d.tip_check = tip.check;
   d.warnings.insert(d.warnings.end(), tip.warnings.begin(), tip.warnings.end());
 }

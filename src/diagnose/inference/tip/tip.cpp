@@ -319,6 +319,79 @@ void find_unseen(const OperationalModel& model, const TipEvidence& e, TipDiagnos
              "with a reference sensor; or name another robot.tip";
 }
 
+/// Rows whose remainder no noise has: more than twelve times the median one, at most two of them or a
+/// thirtieth of all rows, and where rows follow each other no more than three of them in a row.
+std::vector<Eigen::Index> far_off(const TipEvidence& e, const Eigen::ArrayXd& distance) {
+  constexpr double factor = 12, floor = 2;  // of the median, and of the log's rounding
+  const double limit =
+      std::max(factor * median({distance.begin(), distance.end()}), floor * e.log_resolution);
+  std::vector<Eigen::Index> rows;
+  Eigen::Index longest = 0, run = 0;
+  for (Eigen::Index k = 0; k < distance.size(); ++k) {
+    run = distance[k] > limit ? run + 1 : 0;
+    longest = std::max(longest, run);
+    if (run > 0) rows.push_back(k);
+  }
+  const bool few = static_cast<Eigen::Index>(rows.size()) <= std::max<Eigen::Index>(distance.size() / 30, 2);
+  return few && !(e.ordered && longest > 3) ? rows : std::vector<Eigen::Index>{};
+}
+
+DataFinding outliers(const TipEvidence& e, const Log& log, const std::vector<Eigen::Index>& rows,
+                     double largest) {
+  std::string where;
+  const auto number = [&](Eigen::Index k) {
+    return log.row_number(e.row_of_log[static_cast<std::size_t>(k)]) + 1;
+  };
+  for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
+    where += (i > 1 ? ", " : "; also row ") + std::to_string(number(rows[i]));
+  if (rows.size() > 5) where += ", ...";
+  DataFinding f{counted(rows.size(), "position") + " of the tip " + (rows.size() == 1 ? "is" : "are") +
+                    " far off, by up to " + readable(largest, "m") + where,
+                "tip",
+                number(rows.front()),
+                {},
+                "these rows are left out here; look for a hidden target, or for reflections",
+                DataKind::corrupt};
+  if (e.ordered) f.time = e.encoders.front().time[rows.front()];
+  return f;
+}
+
+/// Selects the causes without positions that are far off. Each round leaves out fewer rows than are left.
+/// @param e  receives the rows that are kept
+std::unique_ptr<TipSelection> selected(const OperationalModel& model, std::unique_ptr<TipEvidence>& e,
+                                       const Log& log, std::uint64_t seed, TipDiagnosis& d) {
+  auto s = std::make_unique<TipSelection>(select_tip(model, *e, seed));
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Eigen::ArrayXd distance = s->model.in_base(s->model.solution().residual).rowwise().norm().array();
+    const std::vector<Eigen::Index> far = far_off(*e, distance);
+    if (far.empty()) break;
+    d.data.push_back(outliers(*e, log, far, distance(far).maxCoeff()));
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index k = 0; k < e->rows(); ++k)
+      if (!std::binary_search(far.begin(), far.end(), k)) kept.push_back(k);
+    e = std::make_unique<TipEvidence>(with_rows(std::move(*e), kept));
+    s = std::make_unique<TipSelection>(select_tip(model, *e, seed));
+  }
+  return s;
+}
+
+/// What no repeated reading of a pose has: a scatter from pose to pose beyond theirs, unless its shape is
+/// known already. The floor of the remainder is then theirs, too.
+void judge_by_repeats(const TipModel& m, TipDiagnosis& d) {
+  const TipEvidence& e = m.evidence();
+  if (e.repeat_noise == 0) return;
+  constexpr double more = 2;  // convention: repeats do not show all of a tracker's noise
+  const double noise = std::hypot(e.repeat_noise, e.log_resolution / std::sqrt(12.0)),
+               sigma = m.solution().sigma;
+  d.gain.sigma_ratio = d.gain.rms_after / std::sqrt(noise * noise + m.quantization());
+  if (sigma < more * noise || !d.unexplained.empty()) return;
+  d.unexplained.push_back(
+      {"tip", "poses scatter more than their repeated readings", {}, {}, std::sqrt(2.0) * sigma});
+  d.unexplained.back().next =
+      "return to one pose several times during the record: what differs there is not the arm's geometry";
+}
+
 }  // namespace
 
 TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log,
@@ -326,19 +399,28 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   TipDiagnosis d;
   OperationalModel model = ideal;
   model.chain = as_built(ideal.chain, present);
-  const std::optional<TipEvidence> e = tip_evidence(model, present, log, threads);
-  if (!e) return d;
+  std::optional<TipEvidence> recorded = tip_evidence(model, present, log, threads);
+  if (!recorded) return d;
   d.judged = true;
-  const TipSelection s = select_tip(model, *e, seed);
+  auto e = std::make_unique<TipEvidence>(std::move(*recorded));
+  const auto selection = selected(model, e, log, seed, d);
+  const TipSelection& s = *selection;
   const double without = rms_without_causes(model, *e);
   const TipModel alone(model, *e, UnknownFrames::none, seed);
   d.gain = gain_of(s.model, alone);
   const Eigen::MatrixXd simulated = simulated_tip(model, s.model),
                         residual = left_by_simulation(s.model, simulated);
   std::vector<Unidentified> left = tip_remainder(s.model, s.model.in_base(s.model.solution().residual));
+  if (auto displaced = displaced_target(alone, d.gain.rms_after); !displaced.empty()) {
+    d.gain = gain_of(alone, alone);
+    d.unexplained = std::move(displaced);
+    find_unseen(model, *e, d);
+    return d;
+  }
   if (!improves(s.model, d.gain) || (!left.empty() && outweighs(left.front(), d.gain))) {
     d.gain = gain_of(alone, alone);
     d.unexplained = tip_remainder(alone, alone.in_base(alone.solution().residual));
+    judge_by_repeats(alone, d);
     find_unseen(model, *e, d);
     return d;
   }
@@ -354,6 +436,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   name_causes(s, d);
   for (Unidentified& u : left)
     if (!is_linearization(u, d.gain)) d.unexplained.push_back(std::move(u));
+  judge_by_repeats(s.model, d);
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

@@ -19,6 +19,7 @@ struct TipDiagnosis {
   std::vector<Unidentified> unexplained;
   Gain gain;  ///< per coordinate of the tip [m]
   std::optional<Reproduction> check;
+  std::vector<DataFinding> data;
   std::vector<std::string> warnings;
 };
 

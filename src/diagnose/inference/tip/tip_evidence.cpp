@@ -96,9 +96,31 @@ class Fewer {
   Eigen::Index rows_, stride_;
 };
 
+/// @param starts  of the groups
+double noise_of_means(const Eigen::MatrixXd& tip, const std::vector<Eigen::Index>& starts) {
+  constexpr Eigen::Index fewest = 3;  // rows of a pose that is repeated
+  constexpr std::size_t enough = 8;   // poses
+  double squares = 0, free = 0, of_means = 0;
+  std::size_t repeated = 0;
+  for (std::size_t g = 0; g < starts.size(); ++g) {
+    const Eigen::Index size = (g + 1 < starts.size() ? starts[g + 1] : tip.cols()) - starts[g];
+    if (size < fewest) continue;
+    const auto rows = tip.middleCols(starts[g], size);
+    squares += (rows.colwise() - rows.rowwise().mean()).squaredNorm();
+    free += static_cast<double>((size - 1) * tip.rows());
+    of_means += 1 / static_cast<double>(size);
+    ++repeated;
+  }
+  if (repeated < enough || 2 * repeated < starts.size()) return 0;
+  return std::sqrt(squares / free * of_means / static_cast<double>(repeated));
+}
+
 void shorten(TipEvidence& e) {
   std::vector<Eigen::Index> starts = groups(e);
+  e.repeat_noise = e.ordered ? noise_of_means(e.tip, starts) : 0;
   const Eigen::Index stride = (static_cast<Eigen::Index>(starts.size()) + most_rows - 1) / most_rows;
+  for (std::size_t g = 0; g < starts.size(); g += static_cast<std::size_t>(stride))
+    e.row_of_log.push_back(starts[g]);
   const Fewer fewer(std::move(starts), e.rows(), stride);
   for (Evidence& encoder : e.encoders)
     for (Eigen::ArrayXd* series : series_of(encoder)) fewer.shorten(*series);
@@ -157,6 +179,18 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   });
   take_off(e, present);
   shorten(e);
+  return e;
+}
+
+TipEvidence with_rows(TipEvidence e, const std::vector<Eigen::Index>& rows) {
+  for (Evidence& encoder : e.encoders)
+    for (Eigen::ArrayXd* series : series_of(encoder))
+      if (series->size() > 0) *series = (*series)(rows).eval();
+  e.joints = e.joints(Eigen::all, rows).eval();
+  e.tip = e.tip(Eigen::all, rows).eval();
+  std::vector<Eigen::Index> of_log;
+  for (const Eigen::Index k : rows) of_log.push_back(e.row_of_log[static_cast<std::size_t>(k)]);
+  e.row_of_log = std::move(of_log);
   return e;
 }
 

@@ -25,6 +25,10 @@ struct TipEvidence {
   std::vector<Evidence> encoders;  ///< path, speed, direction and load of every encoder, as read
   double noise = 0;                ///< of the tracker, per coordinate; 0: unknown [m]
   double log_resolution = 0;       ///< rounding step of the logged coordinates [m]
+  /// Standard deviation of the mean of the rows of a pose, by their scatter, per coordinate; 0: poses are not
+  /// repeated [m].
+  double repeat_noise = 0;
+  std::vector<Eigen::Index> row_of_log;  ///< the first of every row
 
   Eigen::Index rows() const { return tip.cols(); }
   bool judged(std::size_t encoder) const {  ///< whether the tip is the only truth of this encoder
@@ -38,6 +42,9 @@ struct TipEvidence {
 /// @returns empty if the log lacks the tip or a joint
 std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
                                         const Log&, unsigned threads);
+
+/// The evidence of these rows alone.
+TipEvidence with_rows(TipEvidence, const std::vector<Eigen::Index>& rows);
 
 /// Kinematic quantities at one row, from which the columns of terms are computed. Base frame, [m].
 struct TipPose {

@@ -17,4 +17,10 @@ namespace qerr {
 /// @returns at most one; none of rows without an order
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
+/// One displacement of the tracker, or of the target in the axes of the tip, from one row on, where it alone
+/// leaves less than all causes that were found.
+/// @param alone           the model without causes
+/// @param left_by_causes  rms per coordinate [m]
+std::vector<Unidentified> displaced_target(const TipModel& alone, double left_by_causes);
+
 }  // namespace qerr

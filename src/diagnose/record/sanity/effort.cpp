@@ -217,6 +217,9 @@ constexpr double same_unit = 1.5;
 /// A load is replaced by another one, and the rotor's share taken off, for so much less of an error's rest.
 constexpr double matters = 0.9;
 
+/// What an effort of the wrong sign leaves of the error that it causes (convention).
+constexpr double opposite = 0.1;
+
 /// Dry friction by the speed, without a jump at rest: -1 to 1.
 Eigen::ArrayXd direction_by_speed(const Eigen::ArrayXd& velocity) {
   constexpr double slow = 0.02;  // of the highest speed: there the direction is uncertain
@@ -355,6 +358,17 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   }
   if (free.residual_rms < matters * plain) s.log.values.col(*column) = free.load;
   if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
+  // Without masses only the error itself tells the sign: no load deflects a gear against itself.
+  const Line of_error = fit_line(s.log.values.col(*column).array(), error);
+  if (!loads && of_error.slope < 0 && of_error.residual_rms < opposite * standard_deviation(error)) {
+    s.log.values.col(*column) *= -1;
+    s.data.push_back({head.header + " has the opposite sign of the load: a compliance would be negative",
+                      s.model.chain.independent[joint].name,
+                      {},
+                      {},
+                      "reverse the sign of the effort",
+                      DataKind::contradictory});
+  }
   const std::string force = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
   if (parts.factor == 0 && head.unit != force)
     s.data.push_back({head.header + ": no masses tell what 1 " + head.unit + " is in " + force +
