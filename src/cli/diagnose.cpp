@@ -6,6 +6,7 @@
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
 #include "input/log_names.hpp"
+#include "input/write_urdf.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "report/formats.hpp"
@@ -30,9 +31,16 @@ void require_log_or_plan(const Values& v) {
   if (v.given("LOG"))
     throw usage("--plan", "a plan is made without a log", "'" + v.texts("LOG").front() + "'",
                 "leave out the log, or --plan");
-  for (const char* output : {"write-model", "write-table", "plots", "check", "details", "hold", "column"})
+  for (const char* output :
+       {"write-model", "write-table", "write-urdf", "plots", "check", "details", "hold", "column"})
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
+}
+
+std::vector<Effect> effects_of(const Diagnosis& d) {
+  std::vector<Effect> all;
+  for (const Cause& c : d.causes) all.push_back(c.effect);
+  return all;
 }
 
 std::string prepared_folder(const std::string& path) {
@@ -83,8 +91,10 @@ int run(const Values& v) {
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   if (v.given("hold")) spec.log.missing = MissingValues::hold;
   for (const std::string& assignment : v.texts("column")) map_column(assignment, spec);
-  const auto out = opened_report(v, {"write-model"});
-  const auto model = opened(v, "write-model"), table = opened(v, "write-table");
+  const auto out = opened_report(v, {"write-model", "write-urdf"});
+  const auto model = opened(v, "write-model"), table = opened(v, "write-table"),
+             urdf = opened(v, "write-urdf");
+  if (urdf) urdf_as_built(spec, {});  // a robot without a URDF is refused before the work
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
   std::unique_ptr<OutputFile> residual, spectrum;
   if (!folder.empty()) {
@@ -105,6 +115,7 @@ int run(const Values& v) {
     outputs.write([&] { finish_spec(*model, extended_model(report, path), path); });
     report.extended_model = v.text("write-model");
   }
+  if (urdf) outputs.write([&] { finish(*urdf, urdf_as_built(spec, effects_of(report.diagnosis))); });
   if (table) outputs.write([&] { finish(*table, correction_table(report)); });
   if (residual) outputs.write([&] { write_plots(report, *residual, *spectrum); });
   Style shown = style(v);
@@ -165,6 +176,10 @@ Command diagnose_command() {
             {.name = "--write-table",
              .value = "FILE.csv",
              .meaning = "write a look-up table for the controller: encoder angle to correction"},
+            {.name = "--write-urdf",
+             .value = "FILE.urdf",
+             .meaning =
+                 "write the URDF with the link dimensions found (geometry); all else is as in the file"},
             {.name = "--plots",
              .value = "FOLDER",
              .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},

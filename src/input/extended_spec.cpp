@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "input/extended_filters.hpp"
 #include "input/moved_paths.hpp"
 #include "input/override.hpp"
+#include "input/read_sections.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/input/spec.hpp"
@@ -37,9 +39,27 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
   return node;
 }
 
+bool is_tool(const Effect& effect) { return effect.type == "tool"; }
+
+/// Moves robot.tool to the point that was tracked, which is found in the axes of the tip.
+void move_tool(Node& root, const Effect& found) {
+  Node* robot = root.find("robot");
+  if (!robot || robot->type != Node::Type::mapping) return;
+  if (!robot->find("tool")) robot->entries.push_back({{"tool", {}}, mapping_node({})});
+  Node& tool = *robot->find("tool");
+  const Eigen::Vector3d xyz = read_tool(Field{&tool, "robot.tool"}) *
+                              Eigen::Vector3d(found.number("x"), found.number("y"), found.number("z"));
+  Node list{Node::Type::sequence, {}, {}, false, {}, {}};
+  for (const double length : xyz) list.items.push_back(scalar_node(shortest(length)));
+  if (Node* present = tool.find("xyz"))
+    *present = std::move(list);
+  else
+    tool.entries.push_back({{"xyz", {}}, std::move(list)});
+}
+
 /// Why an effect cannot be written into a spec; "" if it can.
 std::string obstacle(const Effect& effect) {
-  if (!find_kind(effect.type)) return "not an effect that can be simulated";
+  if (!find_kind(effect.type) && !is_tool(effect)) return "not an effect that can be simulated";
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
@@ -123,19 +143,24 @@ class Extension {
                   [&](const Node&) -> const Chain& { return spec_.model.chain; });
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
-    if (!effects.empty()) {
+    bool first = true;
+    std::string of_tool;
+    for (const AddedEffect& added : effects) {
+      if (is_tool(added.effect)) {
+        move_tool(root, added.effect);
+        of_tool += comment_lines("robot.tool: " + added.note);
+        continue;
+      }
       if (!root.find("effects"))
         root.entries.push_back({{"effects", {}}, Node{Node::Type::sequence, {}, {}, false, {}, {}}});
       Node& list = *root.find("effects");
-      for (std::size_t i = 0; i < effects.size(); ++i) {
-        list.items.push_back(node_of(effects[i], *find_kind(effects[i].effect.type)));
-        if (i == 0) list.items.back().comment = remarks_ + '\n' + effects[i].note;
-      }
+      list.items.push_back(node_of(added, *find_kind(added.effect.type)));
+      if (std::exchange(first, false)) list.items.back().comment = remarks_ + '\n' + added.note;
     }
     std::string out = rewritten(spec_.text, root, spec_.file);
     if (!out.ends_with('\n')) out += '\n';
-    if (effects.empty()) out += comment_lines(remarks_);
-    return out + omitted_;
+    if (first) out += comment_lines(remarks_);
+    return out + of_tool + omitted_;
   }
 
   const Spec& spec_;

@@ -114,6 +114,99 @@ TEST(Sanity, FindsAReferenceThatDoesNotFollowTheEncoder) {
   }
 }
 
+// One channel of a quadrature encoder is dead from a time on: each edge of the other one counts to and fro.
+TEST(Sanity, FindsADeadChannelOfAQuadratureEncoder) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    Column counts = m.counted(m.path);
+    const Eigen::Index since = m.rows / 3 + static_cast<Eigen::Index>(m.dice() % 500);
+    const double last = counts[since];
+    for (Eigen::Index k = since; k < counts.size(); ++k)
+      counts[k] = last + (std::fmod(std::floor(counts[k] / 2) - std::floor(last / 2), 2) != 0);
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, counts));
+    EXPECT_TRUE(d.causes.empty()) << "seed " << seed << ": " << d.causes[0].effect.type;
+    ASSERT_EQ(d.unexplained.size(), 1u) << "seed " << seed;
+    EXPECT_NE(d.unexplained[0].what.find("to and fro between two counts"), std::string::npos) << seed;
+  }
+}
+
+// While the drive crosses the play the joint stands: its readings alone tell where it is.
+TEST(Diagnosis, MeasuresAPlayByTheReadingsThatDriveIt) {
+  for (unsigned seed = 1; seed <= 16; ++seed) {
+    Machine m(seed);
+    const double gap = m.between(4, 40) * m.resolution;
+    Column motor = m.path, joint = m.path;
+    double at = motor[0];
+    for (Eigen::Index k = 0; k < motor.size(); ++k)
+      joint[k] = at = std::min(std::max(at, motor[k] - gap / 2), motor[k] + gap / 2);
+    Column reference = joint;
+    for (double& x : reference) x += m.noise * m.normal();
+    const Log log = log_of({{LogSignal::time, m.time},
+                            {LogSignal::counts, m.counted(motor), 0},
+                            {LogSignal::reference, reference}});
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log);
+    ASSERT_EQ(d.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(d.causes[0].effect.type, "backlash") << seed;
+    EXPECT_NEAR(d.causes[0].effect.number("gap"), gap, 0.02 * gap + 0.1 * m.resolution) << seed;
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    EXPECT_EQ(diagnose(model_of(m), {}, {d.causes[0].effect}, log).verdict, Verdict::nothing_wrong) << seed;
+  }
+}
+
+// A current is the load's, the friction's and the rotor's; the gear's load is gravity's and the link's.
+TEST(Diagnosis, MeasuresAComplianceByTheCurrentOfTheMotor) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(seed);
+    m.sines[0].first = m.between(0.7, 1.2);
+    m.path = m.along(m.time);
+    const auto derivative = [&](const Column& x) {
+      Column d = Column::Zero(x.size());
+      const Eigen::Index n = x.size() - 2;
+      d.segment(1, n) = (x.tail(n) - x.head(n)) * (m.rate / 2);
+      d[0] = d[1], d[n + 1] = d[n];
+      return d;
+    };
+    const Column speed = derivative(m.path), acceleration = derivative(speed);
+    const double torque = m.between(5, 60);
+    const Column load = torque * m.path.sin() + 0.1 * torque * acceleration / acceleration.abs().maxCoeff();
+    const double compliance = m.between(5, 30) * m.resolution / torque;
+    Column effort = load + 0.3 * torque * (speed / (0.01 * speed.abs().maxCoeff())).tanh() +
+                    0.2 * torque * speed / speed.abs().maxCoeff();
+    for (double& e : effort) e += 0.02 * torque * m.normal();
+    const Log log = log_of({{LogSignal::time, m.time},
+                            {LogSignal::counts, m.counted(m.path + compliance * load), 0},
+                            {LogSignal::reference, m.reference()},
+                            {LogSignal::effort, effort}});
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log);
+    const auto is_compliance = [](const auto& effect) { return effect == "compliance"; };
+    const bool named = std::any_of(d.causes.begin(), d.causes.end(),
+                                   [&](const Cause&c) { return is_compliance(c.effect.type); }),
+               offered = std::any_of(d.alternatives.begin(), d.alternatives.end(),
+                                     [&](const AlternativeCause&a) { return is_compliance(a.effect); });
+    EXPECT_TRUE(named || offered) << "seed " << seed;
+    if (named && d.causes.size() == 1) {
+      EXPECT_NEAR(d.causes[0].effect.number("compliance"), compliance, 0.1 * compliance) << seed;
+    }
+  }
+}
+
+// The counter of a reversed gear falls while the joint rises: its missed counts are the counter's own.
+TEST(Diagnosis, ReportsMissedCountsOfTheCounterBehindAReversedGear) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(seed);
+    OperationalModel model = model_of(m);
+    model.transmission.encoders[0].shaft_ratio = -1;
+    const double missed = (seed % 2 == 0 ? 4 : -6), half = m.time[m.rows / 2];
+    Column counts = -m.counted(m.path);
+    for (Eigen::Index k = m.rows / 2; k < counts.size(); ++k) counts[k] += missed;
+    const Diagnosis d = diagnose(model, {}, {}, log_of(m, counts));
+    ASSERT_EQ(d.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(d.causes[0].effect.type, "missed_counts") << seed;
+    EXPECT_EQ(d.causes[0].effect.number("counts"), missed) << seed;
+    EXPECT_NEAR(d.causes[0].effect.number("time"), half, 0.1) << seed;
+  }
+}
+
 TEST(Sanity, FollowsAWrappingCounterWithoutAReference) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);

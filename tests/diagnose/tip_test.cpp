@@ -417,5 +417,101 @@ TEST(DiagnoseTip, HasNoVerdictWithoutTheTipOrReferences) {
   EXPECT_EQ(judge(arm.model(resolution), log).verdict, Verdict::cannot_judge);
 }
 
+// Positions that are 5 to 60 mm off in every hundredth row are no noise of the tracker.
+TEST(DiagnoseTip, LeavesOutPositionsThatAreFarOff) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(7100 + seed);
+    const Arm arm = random_arm(dice, 4);
+    const std::vector<double> resolution(4, 1e-4);
+    const Record r = dice.chance(0.5) ? poses(dice, 4, 300) : motion(dice, 4, 3000);
+    Log log = log_of(dice, arm, r, resolution, 2e-5);
+    std::uint64_t off = 0;
+    for (Eigen::Index k = 37; k < log.values.rows(); k += 100, ++off)
+      log.values.row(k).tail(3) += (dice.between(0.005, 0.06) * dice.direction()).transpose().array();
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << "seed " << seed << ": " << summary(d);
+    ASSERT_EQ(record_faults(d), std::vector{DataKind::corrupt}) << seed;
+    EXPECT_EQ(d.data.back().what.substr(0, d.data.back().what.find(' ')), std::to_string(off)) << seed;
+    EXPECT_EQ(d.data.back().row, log.row_number(37) + 1);
+    EXPECT_LT(d.gain.rms_after, 1e-4) << seed;
+  }
+}
+
+// A target that is knocked stays displaced in the axes of the hand, a tracker that is knocked in its own.
+TEST(DiagnoseTip, FindsWhenTheTargetOrTheTrackerWasDisplaced) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Dice dice(7200 + seed);
+    const Arm arm = random_arm(dice, 4);
+    const std::vector<double> resolution(4, 1e-4);
+    const bool of_target = dice.chance(0.5), table = dice.chance(0.5);
+    const Record r = table ? poses(dice, 4, 200) : motion(dice, 4, 3000);
+    const Eigen::Index since = r.joints.cols() * 2 / 5;
+    const Eigen::Vector3d by = 1e-3 * dice.direction();
+    Arm knocked = arm;
+    if (of_target) knocked.tool += by;
+    Log log = log_of(dice, arm, r, resolution, 2e-5);
+    for (Eigen::Index k = since; k < log.values.rows(); ++k) {
+      const Eigen::Vector3d moved =
+          knocked.tip(r.joints.col(k)) - arm.tip(r.joints.col(k)) + (of_target ? 0.0 : 1.0) * by;
+      log.values.row(k).tail(3) += moved.transpose().array();
+    }
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_EQ(d.verdict, Verdict::unexplained) << "seed " << seed << ": " << summary(d);
+    ASSERT_EQ(d.unexplained.size(), 1U) << seed;
+    EXPECT_EQ(d.unexplained[0].shape, Shape::step) << seed << summary(d);
+    EXPECT_NEAR(d.unexplained[0].figures.at("size"), 1e-3, 2e-4) << seed;
+    if (!table) {
+      EXPECT_NEAR(d.unexplained[0].figures.at("time"), r.time[since], 0.3) << seed;
+    }
+  }
+}
+
+// A random walk of the tracker over the poses of a table.
+TEST(DiagnoseTip, SaysThatPosesChangeInTheirOrder) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(7300 + seed);
+    const Arm arm = random_arm(dice, 4);
+    const std::vector<double> resolution(4, 1e-4);
+    const Record r = poses(dice, 4, 120);
+    Log log = log_of(dice, arm, r, resolution, 2e-5);
+    Eigen::Vector3d drift = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < log.values.rows(); ++k) {
+      drift +=
+          1e-4 * Eigen::Vector3d(testing::gaussian(dice), testing::gaussian(dice), testing::gaussian(dice));
+      log.values.row(k).tail(3) += drift.transpose().array();
+    }
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_FALSE(d.unexplained.empty()) << "seed " << seed << ": " << summary(d);
+  }
+}
+
+// Ten readings of every pose: what differs between poses by more is no noise.
+TEST(DiagnoseTip, JudgesPosesByTheirRepeatedReadings) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(7400 + seed);
+    const Arm arm = random_arm(dice, 4);
+    const std::vector<double> resolution(4, 1e-5);
+    const bool clean = seed % 2 == 0;
+    const Record table = poses(dice, 4, 60);
+    Record r;
+    r.joints.resize(4, 600);
+    r.additions.setZero(4, 600);
+    r.time.resize(600);
+    for (Eigen::Index k = 0; k < 600; ++k) {
+      r.joints.col(k) = table.joints.col(k / 10);
+      r.time[k] = 8.0 * static_cast<double>(k / 10) + 0.1 * static_cast<double>(k % 10);
+    }
+    Log log = log_of(dice, arm, r, resolution, 1e-5);
+    if (!clean)
+      for (Eigen::Index pose = 0; pose < 60; ++pose)
+        log.values.block(10 * pose, log.values.cols() - 3, 10, 3).rowwise() +=
+            (3e-4 * dice.direction()).transpose().array();
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_EQ(d.verdict, clean ? Verdict::nothing_wrong : Verdict::unexplained)
+        << "seed " << seed << ": " << summary(d);
+    EXPECT_NEAR(d.gain.rms_after / d.gain.sigma_ratio, 1e-5 / std::sqrt(10.0), 2e-6) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace qerr

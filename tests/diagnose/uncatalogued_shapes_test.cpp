@@ -75,7 +75,7 @@ TEST(UncataloguedShapes, DoNotRaiseWhatQuantizationAndNoiseLeave) {
 }
 
 /// Two joints of which the drive of the one moves the other.
-TEST(UncataloguedShapes, ACouplingLeftOutFollowsTheOtherJoint) {
+TEST(Diagnosis, FindsACouplingThatWasLeftOut) {
   Machine first(51), second(52);
   second.rows = first.rows, second.rate = first.rate, second.time = first.time;
   second.path = second.along(second.time * (first.rate / second.rate));
@@ -93,10 +93,13 @@ TEST(UncataloguedShapes, ACouplingLeftOutFollowsTheOtherJoint) {
                           {LogSignal::reference, second.reference()}});
   log.columns[3].index = log.columns[4].index = 1;
   const Diagnosis d = diagnose(model, {}, {}, std::move(log));
-  ASSERT_EQ(d.unexplained.size(), 1U);
-  EXPECT_EQ(d.unexplained[0].joint, "hand");
-  EXPECT_EQ(d.unexplained[0].what, "follows the angle of arm");
-  EXPECT_NEAR(d.unexplained[0].figures.at("factor"), factor, 1e-4);
+  ASSERT_EQ(d.causes.size(), 1U);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+  EXPECT_EQ(d.causes[0].effect.type, "coupling_error");
+  EXPECT_EQ(d.causes[0].effect.joint, "hand");
+  EXPECT_EQ(d.causes[0].effect.choices.at("of"), "arm");
+  EXPECT_NEAR(d.causes[0].effect.number("factor"), factor, 1e-4);
+  EXPECT_LT(d.gain.counts_after, 0.35);
 }
 
 }  // namespace

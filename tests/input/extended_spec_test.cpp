@@ -164,5 +164,22 @@ TEST(ExtendedSpec, IsUnchangedExceptForACommentIfNothingIsFound) {
   EXPECT_EQ(extended(base, {}), base + "# found in a log\n");
 }
 
+// The tracked point is found in the axes of the tip, which a tool of the spec has turned.
+TEST(ExtendedSpec, MovesTheToolToTheTrackedPoint) {
+  const AddedEffect tool{{"tool", "tip", {{"x", 0.01}, {"y", -0.02}, {"z", 0.03}}, {}}, "of the target"};
+  for (const std::string& present :
+       {std::string(), std::string(", tool: {xyz: [0, 0, 120 mm], rpy: [0, 90 deg, 20 deg]}")}) {
+    std::string text = base;
+    text.replace(text.find("planar_prr.urdf"), std::string("planar_prr.urdf").size(),
+                 "planar_prr.urdf" + present);
+    const Spec before = spec_of(text), after = spec_of(extended(text, {tool, backlash()}));
+    const Eigen::Vector3d by =
+        before.model.chain.tip_offset.inverse() * after.model.chain.tip_offset.translation();
+    EXPECT_LT((by - Eigen::Vector3d(0.01, -0.02, 0.03)).norm(), 1e-12);
+    EXPECT_LT((before.model.chain.tip_offset.linear() - after.model.chain.tip_offset.linear()).norm(), 1e-12);
+    EXPECT_EQ(after.effects.size(), 1U);
+  }
+}
+
 }  // namespace
 }  // namespace qerr

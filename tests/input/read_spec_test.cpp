@@ -146,6 +146,26 @@ TEST_F(ReadSpec, PointsAtTheKeyAndSuggestsTheRightName) {
             std::string::npos);
 }
 
+// A turn has all positions of a continuous joint.
+TEST_F(ReadSpec, SamplesAWholeTurnOfAContinuousJoint) {
+  std::string endless = arm;
+  endless.replace(endless.find("type=\"revolute\""), std::string("type=\"revolute\"").size(),
+                  "type=\"continuous\"");
+  std::ofstream(folder_ / "arm.urdf") << endless;
+  const Spec spec = read(spec_head + encoders);
+  EXPECT_NEAR(spec.configurations.ranges[0].upper, std::numbers::pi, 1e-15);
+  EXPECT_NEAR(spec.configurations.ranges[0].lower, -std::numbers::pi, 1e-15);
+  ASSERT_EQ(std::count_if(spec.warnings.begin(), spec.warnings.end(),
+                          [](const std::string& w) {
+                            return w.find("continuous joints without limits, 'shoulder': a whole turn") == 0;
+                          }),
+            1);
+  const Spec narrow =
+      read(spec_head + encoders + "configurations: {limits: {shoulder: [-90 deg, 90 deg]}}\n");
+  EXPECT_NEAR(narrow.configurations.ranges[0].upper, std::numbers::pi / 2, 1e-15);
+  for (const std::string& w : narrow.warnings) EXPECT_EQ(w.find("whole turn"), std::string::npos) << w;
+}
+
 TEST_F(ReadSpec, ReportsSeveralFaultsTogether) {
   const std::string text = refusal(
       spec_head + "encoders:\n  shoulder: {bits: 99}\n  lift: {resolution: 1 deg}\n  elbow: {cpr: 5}\n");

@@ -29,6 +29,11 @@ struct SignalPath {
 
   void act(const Effect& effect) {
     const EffectKind& kind = effect_kind(effect.type);
+    if (const auto of = effect.choices.find("of"); of != effect.choices.end()) {
+      for (const Evidence* other : e.others)
+        if (other->joint == of->second) signal += effect.number("factor") * other->path;
+      return;
+    }
     if (kind.replay) {
       signal += kind.replay(effect, e);
       return;
@@ -42,8 +47,8 @@ struct SignalPath {
       if (stage == Stage::clock) {
         signal[k] += position_at(action(e.time[k], moment)) - path[k];
       } else if (stage == Stage::decoder) {
-        const double count = std::round(signal[k] / e.step());
-        signal[k] += (action(count, moment) - count) * e.step();
+        const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
+        signal[k] += sign * (action(count, moment) - count) * e.step();
       } else {
         signal[k] = action(signal[k], moment);
       }

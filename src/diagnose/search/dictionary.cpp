@@ -219,7 +219,7 @@ class Candidates {
     const auto& others = s_.record->others;
     if (others.empty() || !others_explain_all()) return;
     for (std::size_t i = 0; i < others.size(); ++i)
-      add_history("coupling " + others[i]->joint, "coupling", static_cast<double>(i),
+      add_history("coupling of " + others[i]->joint, "coupling", static_cast<double>(i),
                   static_cast<double>(others.size()),
                   [i](const Sampling& s) { return coupling_term(s, *s.record->others[i]); });
   }

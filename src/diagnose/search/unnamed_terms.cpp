@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "effect/effects/effects.hpp"
+
 namespace qerr {
 
 namespace {
@@ -117,10 +119,9 @@ Term loaded_order_term(const RecordSignals& s, double order) {
 }
 
 Term coupling_term(const Sampling& s, const Evidence& other) {
-  Term t =
-      unnamed_term(s.evidence, Shape::unknown, "follows the angle of " + other.joint, s.averaged(other.path));
-  t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; };
-  t.next = "the drive moves one joint with another: state the transmission's coupling in the spec";
+  Term t = linear_term(s.evidence, coupling_error_effect().name, s.averaged(other.path),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; });
+  t.effect.choices["of"] = other.joint;
   return t;
 }
 

@@ -28,7 +28,6 @@ std::string figure_unit(const Spec& spec, const Unidentified& u, const std::stri
   if (figure == "time" || figure == "time_constant" || figure == "duration") return "s";
   if (figure == "frequency") return "Hz";
   if (figure == "divisor") return "counts";
-  if (figure == "factor") return "";
   if (figure == "rate") return coordinate + "/s";
   if (figure == "order") return coordinate == "m" ? "1/m" : "";
   return coordinate;

@@ -320,7 +320,6 @@ std::string unknown_words(const FoundShape& r) {
   std::string text = escaped(r.found.what);
   if (r.found.order && *r.found.order > 0) text += ", order " + r.order_text();
   if (r.found.frequency) text += ", " + readable(*r.found.frequency, "Hz");
-  if (r.has("factor")) text += " times " + significant(r.figure("factor"), 4);
   if (r.has("rate")) text += " by " + r.size(r.figure("rate")) + " per second";
   return text + r.of_amplitude(", amplitude ");
 }
