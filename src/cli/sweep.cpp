@@ -1,15 +1,21 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 
-#include "cli/command.hpp"
-#include "cli/sweep_parts.hpp"
+#include "cli/shared.hpp"
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/shards.hpp"
@@ -18,6 +24,146 @@
 namespace qerr::cli {
 
 namespace {
+
+std::vector<std::string> statistic_names() {
+  std::vector<std::string> names;
+  for (const StatisticKind& kind : statistic_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+/// In the order of the reports, whatever that of the option.
+std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
+  if (!v.given("statistics")) return all_statistics();
+  std::vector<const StatisticKind*> chosen;
+  for (const StatisticKind* kind : all_statistics()) {
+    const auto& names = v.texts("statistics");
+    if (std::find(names.begin(), names.end(), kind->name) != names.end()) chosen.push_back(kind);
+  }
+  return chosen;
+}
+
+/// `--statistics` and `--wide`.
+std::vector<Option> sweep_row_options() {
+  return {{.name = "--statistics",
+           .value = "NAME,...",
+           .kind = OptionKind::list,
+           .meaning = "write these statistics only, e.g. max,p99 (qerr list statistics)",
+           .choices = statistic_names,
+           .choice = "statistic"},
+          {.name = "--wide",
+           .kind = OptionKind::flag,
+           .meaning = "CSV with one row a variant: figures, filters, requirements"}};
+}
+
+/// The rows that the options ask for; sets what the job needs for them.
+SweepRows chosen_rows(SweepJob& job, const Values& v) {
+  const SweepRows rows = v.given("wide") ? wide_rows(job.grid, job.variants, job.statistics)
+                                         : tidy_rows(job.grid, job.statistics);
+  job.text = rows.lines;
+  job.judged = job.judged || v.given("wide");
+  return rows;
+}
+
+/// What the rows of the job depend on.
+RunRecord record_of(const SweepJob& job, const Values& v) {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const char* name : {"set", "seed", "statistics", "wide"}) {
+    std::string value;
+    for (const std::string& text : v.texts(name)) value += text + '\n';
+    if (v.given(name)) options.emplace_back("--" + std::string(name), value);
+  }
+  return {job.variants, job.grid, options};
+}
+
+/// A line to standard error, with --quiet, too.
+void say(const std::string& line) {
+  clear_progress();
+  std::fputs(("qerr: " + line + '\n').c_str(), stderr);
+}
+
+/// `3 of 175 variants`.
+std::string of_variants(std::uint64_t number, const SweepCounts& counts) {
+  return std::to_string(number) + " of " + counted(counts.variants, "variant");
+}
+
+/// How many variants were not computed, if there are any.
+void say_failed(const SweepCounts& counts) {
+  if (counts.failed > 0)
+    say(of_variants(counts.failed, counts) + " cannot be computed or judged: the rows say why");
+}
+
+/// The record of the sweep of a spec.
+RunRecord record_of_spec(const std::string& path, const Values& v) {
+  const SpecVariants variants(read_text(path), path, overrides(v));
+  refuse_varied(variants.base(), overrides(v));
+  const SweepGrid grid(variants.base());
+  return record_of({.variants = variants, .grid = grid, .statistics = {}, .text = {}}, v);
+}
+
+/// What is not to be written before it is whole: an error leaves nothing on standard output.
+class Spool {
+ public:
+  Spool() : file_(std::tmpfile()) {
+    if (!file_) fail();
+  }
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+  ~Spool() { std::fclose(file_); }
+
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+  }
+  void copy_to(OutputFile& out) {
+    std::rewind(file_);
+    std::string block(std::size_t{1} << 16, '\0');
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_))
+      out.write(std::string_view(block).substr(0, count));
+    if (std::ferror(file_) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] static void fail() {
+    throw Error(Fault{{"temporary file"},
+                      "",
+                      std::string("cannot be written: ") + std::strerror(errno),
+                      "",
+                      "name the output: -o FILE.csv"},
+                Trouble::file_system);
+  }
+
+  std::FILE* file_;
+};
+
+int run_merge(const Values& v) {
+  std::vector<std::string> files = v.texts("FILE");
+  if (v.given("spec")) files.push_back(v.text("spec"));
+  refuse_shared_input(files, "FILE");
+  std::optional<RunRecord> expected;
+  if (v.given("spec")) expected = record_of_spec(v.text("spec"), v);
+  for (const std::string& file : v.texts("FILE")) note_input(file);
+  OutputFile out(v.text("output"), "--output");
+  std::optional<Spool> spool;
+  if (v.text("output") == "-") spool.emplace();
+  const SweepCounts counts =
+      merge_shards(v.texts("FILE"), expected ? &*expected : nullptr,
+                   [&](const std::string& text) { spool ? spool->write(text) : out.write(text); });
+  if (spool) spool->copy_to(out);
+  out.close();
+  say_failed(counts);
+  return 0;
+}
+
+/// The options of sweep on which the rows depend; they say what the files should hold.
+std::vector<Option> spec_comparison() {
+  std::vector<Option> options = joined({spec_options(), sweep_row_options()});
+  options.front() = {.name = "--spec",
+                     .value = "SPEC",
+                     .meaning = "refuse shards of another spec, other files that it names, other options"};
+  for (Option& option : options)
+    if (option.name == "--set" || option.name == "--statistics" || option.name == "--wide")
+      option.needs = "--spec";
+  return options;
+}
 
 /// `2/5`.
 Shard chosen_shard(const Values& v) {
@@ -273,6 +419,23 @@ int run(const Values& v) {
 }
 
 }  // namespace
+
+Command merge_command() {
+  return {
+      "merge",
+      "Join the files of the shards of a sweep: the bytes of one run",
+      joined({{{.name = "FILE",
+                .kind = OptionKind::repeat,
+                .meaning = "a file of each shard, in any order",
+                .required = true}},
+              spec_comparison(),
+              {text_output_option(".csv .txt")}}),
+      run_merge,
+      {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv", "one file of all variants"},
+       {"qerr merge shards/*.csv --spec arm.yaml -o sweep.csv",
+        "the same, and none of them is of another spec"}},
+      {"variants"}};
+}
 
 Command sweep_command() {
   return {"sweep",

@@ -8,7 +8,6 @@
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
 #include "report/formats.hpp"
-#include "report/rows.hpp"
 #include "simulate/estimators/estimator.hpp"
 
 /// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits

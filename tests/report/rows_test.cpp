@@ -1,13 +1,9 @@
-#include "report/rows.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "qerr/design/threshold.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/csv_text.hpp"
-#include "report/json_header.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 namespace {

@@ -12,7 +12,6 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

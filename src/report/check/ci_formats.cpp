@@ -4,7 +4,8 @@
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/check/parts.hpp"
+#include "report/compare/parts.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,3 @@
-
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -11,7 +10,7 @@
 #include "qerr/core/error.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/json_header.hpp"
+#include "report/formats.hpp"
 #include "report/json_value.hpp"
 
 namespace qerr {

@@ -1,9 +1,7 @@
 #include <cmath>
 
-#include "report/csv_text.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 
 namespace qerr {
 

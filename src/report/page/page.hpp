@@ -74,7 +74,7 @@ extern const std::string_view style_sheet;
 
 /// The script, without requests and without `]]>`. It shows the chosen figure; zooms plots and heat maps,
 /// tells their values at the pointer and by keys, and switches series; turns the robot of a scene
-/// (report/analysis/page/scene.hpp). Without it every picture is there, still.
+/// (report/analysis/robot_figures.cpp). Without it every picture is there, still.
 extern const std::string_view script;
 
 /// Text between the pictures of a page.

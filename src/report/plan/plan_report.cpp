@@ -10,11 +10,8 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/json_value.hpp"
-#include "report/rows.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -15,7 +15,7 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/csv_text.hpp"
+#include "report/rows.hpp"
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/sensing.hpp"

@@ -9,9 +9,7 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/text_table.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "report/analysis/page/pictures.hpp"
+#include "report/analysis/robot_figures.hpp"
 #include "report/json_value.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/page.hpp"
