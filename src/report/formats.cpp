@@ -30,13 +30,13 @@ Json whole_json(const CheckReport& report) {
 
 template <class Report>
 std::string to_json(const Report& report, const Style&) {
-  return whole_json(report).document();
+  return document(whole_json(report));
 }
 
 template <class Report>
 std::string to_html(const Report& report, const Style&) {
   page::Page page = page_of(report);
-  page.report = whole_json(report).line();
+  page.report = line(whole_json(report));
   return markup(page);
 }
 
@@ -232,8 +232,8 @@ std::string output_schema(std::string_view command) {
   for (const OutputSchema& row : output_schemas)
     if (row.command == command) {
       Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", row.title}};
-      root.append(row.schema());
-      return root.document();
+      root.update(row.schema());
+      return document(root);
     }
   throw std::logic_error("no report has the name '" + std::string(command) + "'");
 }

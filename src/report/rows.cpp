@@ -26,9 +26,8 @@ Schema numbers_or_null() { return {schema::list(schema::or_null(schema::number()
 Schema named_numbers_or_null() { return {schema::map(schema::or_null(schema::number()))}; }
 
 std::optional<Json> unless_empty(Json value, Presence presence) {
-  const bool empty = value.text()    ? value.text()->empty()
-                     : value.items() ? value.items()->empty()
-                                     : value.is_object() && value.members().empty();
+  const bool empty = value.is_string() ? value.get_ref<const std::string&>().empty()
+                                       : value.is_structured() && value.empty();
   if (empty && presence != Presence::required) return {};
   return value;
 }
@@ -94,24 +93,25 @@ std::string csv_cells(const Json& object, const std::vector<std::string>& paths)
     const Json* value = &object;
     for (std::size_t begin = 0; value && begin <= path.size();) {
       const std::size_t dot = std::min(path.find('.', begin), path.size());
-      value = value->find(std::string_view(path).substr(begin, dot - begin));
+      const auto member = value->find(path.substr(begin, dot - begin));
+      value = member == value->end() ? nullptr : &*member;
       begin = dot + 1;
     }
     if (&path != &paths.front()) cells += ',';
-    if (!value) continue;
-    if (const std::optional<bool> truth = value->boolean())
-      cells += *truth ? "true" : "false";
-    else
-      cells += value->text() ? csv_cell(*value->text()) : csv_number(value->number());
+    if (!value || value->is_null()) continue;
+    cells += value->is_boolean()  ? (value->get<bool>() ? "true" : "false")
+             : value->is_string() ? csv_cell(value->get<std::string>())
+                                  : csv_number(value->get<double>());
   }
   return cells;
 }
 
 std::vector<std::string> csv_paths(const Json& schema) {
   std::vector<std::string> paths;
-  for (const auto& [name, member] : schema.find("properties")->members()) {
-    if (!member.find("properties")) paths.push_back(name);
-    if (member.find("properties"))
+  for (const auto& [name, member] : schema.at("properties").items()) {
+    if (!member.contains("properties"))
+      paths.push_back(name);
+    else
       for (const std::string& inner : csv_paths(member)) paths.push_back(name + '.' + inner);
   }
   return paths;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <functional>
 #include <initializer_list>
@@ -81,9 +82,9 @@ Json schema_of();
 namespace kind {
 
 template <class T>
-concept Text = std::convertible_to<const T&, std::string_view>;
+concept Text = std::convertible_to<const T&, std::string_view> && !std::same_as<T, Json>;
 template <class T>
-concept List = std::ranges::input_range<const T> && !Text<T>;
+concept List = !Text<T> && !std::same_as<T, Json> && std::ranges::input_range<const T>;
 /// Values by names.
 template <class T>
 concept Map = List<T> && requires(std::ranges::range_value_t<const T> entry) {
@@ -207,7 +208,11 @@ Json json_of(const T& value) {
     Json list = Json::array();
     for (const auto& item : value) list.push_back(json_of(item));
     return list;
-  } else if constexpr (std::convertible_to<const T&, Json>) {
+  } else if constexpr (std::floating_point<T>) {
+    return std::isfinite(value) ? Json(value) : Json();
+  } else if constexpr (kind::Text<T>) {
+    return std::string(std::string_view(value));
+  } else if constexpr (std::is_arithmetic_v<T> || std::same_as<T, Json>) {
     return value;
   } else {
     return object_of(rows_of<T>(), &value);

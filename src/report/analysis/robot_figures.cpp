@@ -206,7 +206,7 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
                   {"encoders", names}, {"poses", all},
                   {"factor", factor},  {"colours", colours},
                   {"of", sample.of},   {"rows", rows}};
-  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(data.line()) + "</div>\n";
+  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(line(data)) + "</div>\n";
 }
 
 }  // namespace

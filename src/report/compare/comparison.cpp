@@ -210,7 +210,7 @@ Baselines read_baselines(const std::string& text, const std::string& file, doubl
   for (NamedFigures& figures : read_all_named_figures(text, file)) {
     if (figures.command == "filter")
       throw report_error(file, "command", "a baseline must be a report of check or analyze",
-                         quoted(figures.command),
+                         qerr::quoted(figures.command),
                          "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json");
     baselines.push_back({std::move(figures), tolerance});
   }
