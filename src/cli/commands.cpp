@@ -4,6 +4,7 @@
 #include "cli/command.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -58,11 +59,7 @@ const Command* command_of(std::string_view name) {
   return nullptr;
 }
 
-std::vector<std::string> command_names() {
-  std::vector<std::string> names;
-  for (const Command& command : commands()) names.emplace_back(command.name);
-  return names;
-}
+std::vector<std::string> command_names() { return names_of(commands()); }
 
 std::string usage_line(const Command& command) {
   std::string line = "qerr " + std::string(command.name) + " [OPTION...]";

@@ -1,17 +1,14 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
 /// The words with blanks between.
-std::string spaced(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
+std::string spaced(const std::vector<std::string>& words) { return qerr::joined(words, " "); }
 
 /// The arguments of a command, in their order.
 std::vector<const Option*> arguments_of(const Command& command) {
@@ -254,11 +251,7 @@ struct Shell {
 
 constexpr Shell shells[] = {{"bash", bash_completion}, {"zsh", zsh_completion}, {"fish", fish_completion}};
 
-std::vector<std::string> shell_names() {
-  std::vector<std::string> names;
-  for (const Shell& shell : shells) names.emplace_back(shell.name);
-  return names;
-}
+std::vector<std::string> shell_names() { return names_of(shells); }
 
 int run(const Values& v) {
   OutputFile out(v.text("output"));

@@ -7,6 +7,7 @@
 #include "cli/shared.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -154,11 +155,9 @@ Page asked_page(const std::vector<std::string>& words) {
   if (words.size() == 1 && std::find(names.begin(), names.end(), words[0]) != names.end())
     return page_of(words[0]);
   if (std::optional<Page> found = search_pages(words)) return *found;
-  std::string asked, all;
-  for (const std::string& word : words) asked += (asked.empty() ? "" : " ") + word;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  const std::string near = nearest(asked, names);
-  const std::string remedy = near.empty() ? "commands and topics: " + all : "did you mean '" + near + "'?";
+  const std::string asked = qerr::joined(words, " "), near = nearest(asked, names);
+  const std::string remedy =
+      near.empty() ? "commands and topics: " + qerr::joined(names) : "did you mean '" + near + "'?";
   throw Error(Fault{{"qerr help"}, "", "no page has this word", qerr::quoted(asked), remedy}, Trouble::usage);
 }
 

@@ -20,16 +20,13 @@
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/shards.hpp"
 #include "report/sweep/sweep_page.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
-std::vector<std::string> statistic_names() {
-  std::vector<std::string> names;
-  for (const StatisticKind& kind : statistic_kinds()) names.emplace_back(kind.name);
-  return names;
-}
+std::vector<std::string> statistic_names() { return names_of(statistic_kinds()); }
 
 /// In the order of the reports, whatever that of the option.
 std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
@@ -290,21 +287,19 @@ int write_csv(SweepJob job, const Values& v) {
       return marked_lines(text(variant), verdict_of(variant, judged), mark);
     };
   }
-  const bool judged = job.judged;
-  const SweepRun sweep(std::move(job));
   ShardFile file(v.text("output"), "--output", rows.header, record, marked, v.given("resume"));
   SweepCounts kept;
-  if (v.given("resume")) kept = file.resume(judged);
+  if (v.given("resume")) kept = file.resume(job.judged);
   if (file.compares())
     warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew, "
                              "and those that it holds compared"},
          v);
   if (v.text("output") != "-")
     say_on_interrupt(v.text("output") + " has the rows so far: the same command with --resume goes on");
-  const SweepOutcome outcome = sweep.run(
-      kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
+  const SweepOutcome outcome = run_sweep(
+      job, kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
       progress(v, "variants"));
-  require_unchanged(record, record_of(sweep.job(), v), v.text("output"));
+  require_unchanged(record, record_of(job, v), v.text("output"));
   file.close();
   if (file.replaces())
     warn({v.text("output") + ": rows had been changed after they were written: they are computed anew"}, v);
@@ -321,11 +316,9 @@ int write_json(SweepJob job, const Values& v) {
     return (variant.variant > 0 ? text.separator : "") + SweepJson::variant(variant, grid, statistics);
   };
   out.write(text.begin);
-  const SweepOutcome outcome =
-      SweepRun(std::move(job))
-          .run(
-              {}, [&](const std::string& variants, const SweepCounts&) { out.write(variants); },
-              progress(v, "variants"));
+  const SweepOutcome outcome = run_sweep(
+      job, {}, [&](const std::string& variants, const SweepCounts&) { out.write(variants); },
+      progress(v, "variants"));
   finish(out, text.end);
   return finish_sweep(outcome, v);
 }
@@ -343,15 +336,14 @@ SweepOutcome filled(Report& report, SweepJob job, const Values& v) {
     waiting.emplace(variant.variant, std::move(row));
     return "";
   };
-  return SweepRun(std::move(job))
-      .run(
-          {},
-          [&](const std::string&, const SweepCounts& counts) {
-            const std::lock_guard lock(guard);
-            while (!waiting.empty() && waiting.begin()->first < counts.variants)
-              report.add(std::move(waiting.extract(waiting.begin()).mapped()));
-          },
-          progress(v, "variants"));
+  return run_sweep(
+      job, {},
+      [&](const std::string&, const SweepCounts& counts) {
+        const std::lock_guard lock(guard);
+        while (!waiting.empty() && waiting.begin()->first < counts.variants)
+          report.add(std::move(waiting.extract(waiting.begin()).mapped()));
+      },
+      progress(v, "variants"));
 }
 
 int write_table(const SweepJob& job, const Values& v) {

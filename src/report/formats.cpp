@@ -74,12 +74,6 @@ inline constexpr std::array<Exporter<Report>, 5> exporters{{
     {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>()},
 }};
 
-std::vector<std::string> format_names() {
-  std::vector<std::string> names;
-  for (const Format& format : formats()) names.emplace_back(format.name);
-  return names;
-}
-
 Error not_written(std::string_view format) {
   return Error({{},
                 "",
@@ -139,7 +133,7 @@ std::string write(const Report& report, std::string_view format, const Style& st
              exporter.write(report, style);
     }
   throw Error(
-      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
+      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, names_of(formats()))},
       Trouble::usage);
 }
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <functional>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <ranges>
 #include <set>
@@ -12,8 +13,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include "report/json_value.hpp"
 
 /// The members of a report's objects as rows: JSON and JSON Schema (draft 2020-12) follow from one list.
 ///
@@ -28,6 +27,20 @@
 /// The schema of a member follows from the type of its value. Objects are open: a later version may add
 /// members.
 namespace qerr {
+
+/// JSON whose objects keep the order in which their members were added. A number that is not finite is null.
+using Json = nlohmann::ordered_json;
+
+/// The value that a text holds (RFC 8259), with at most 64 levels.
+/// @param file  that has the text, for messages
+/// @throws Error (input) with line and column where it is no JSON
+Json parse_json(const std::string& text, const std::string& file);
+
+/// The document: indented by two blanks a level, with a line break at its end. Doubles are written with as
+/// many digits as read back as the same double; bytes that are not UTF-8 are replaced by U+FFFD.
+std::string document(const Json&);
+/// The document on one line, without the break.
+std::string line(const Json&);
 
 /// What a member without a value is: that of an empty std::optional, and of rows that are not `required` an
 /// empty text, list or object. A number that is not finite is null in any case.

@@ -8,7 +8,7 @@
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
-#include "report/json_value.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 namespace {

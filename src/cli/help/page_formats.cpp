@@ -25,12 +25,7 @@ std::string plain(const std::string& text) {
 
 std::string indented(const std::string& text) {
   std::string out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = text.find('\n', at);
-    const std::string line = text.substr(at, end - at);
-    out += (line.empty() ? "" : "  " + line) + '\n';
-    at = end + 1;
-  }
+  for (const std::string& line : lines_of(text)) out += (line.empty() ? "" : "  " + line) + '\n';
   return out;
 }
 
@@ -116,11 +111,7 @@ std::string inline_roff(const std::string& text) {
 
 std::string verbatim_roff(const std::string& text) {
   std::string out = ".PP\n.RS 4\n.nf\n";
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = text.find('\n', at);
-    out += escaped_roff(text.substr(at, end - at)) + '\n';
-    at = end + 1;
-  }
+  for (const std::string& line : lines_of(text)) out += escaped_roff(line) + '\n';
   return out + ".fi\n.RE\n";
 }
 

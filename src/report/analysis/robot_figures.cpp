@@ -7,7 +7,7 @@
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
 #include "report/analysis/robot_figures.hpp"
-#include "report/json_value.hpp"
+#include "report/rows.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"

@@ -331,13 +331,10 @@ std::string fleet_block(const CheckReport& report) {
 
 /// Each warning once, with the specs that it concerns.
 std::vector<std::string> shared_warnings(const CheckReport& report) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  ItemGroups all;
   for (const SpecCheck& check : report.specs)
-    for (const std::string& warning : check.analysis.warnings) {
-      auto at = std::find_if(all.begin(), all.end(), [&](const auto& w) { return w.first == warning; });
-      if (at == all.end()) at = all.insert(at, {warning, {}});
-      add_once(at->second, check.analysis.spec.file);
-    }
+    for (const std::string& warning : check.analysis.warnings)
+      add_to_group(all, warning, check.analysis.spec.file);
   std::vector<std::string> texts;
   for (const auto& [warning, files] : all)
     texts.push_back((files.size() > 1 && files.size() == report.specs.size() ? "all specs" : joined(files)) +

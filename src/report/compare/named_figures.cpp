@@ -11,7 +11,6 @@
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/formats.hpp"
-#include "report/json_value.hpp"
 
 namespace qerr {
 

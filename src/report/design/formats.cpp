@@ -43,7 +43,7 @@ std::string filter_sentence(const DesignedFilter& f) {
 
 /// `kp 400 N m/rad of a1 and a2`; empty without gains.
 std::vector<std::string> gain_sentences(const DesignReport& report, const Design& d) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> joints_by_gain;
+  ItemGroups joints_by_gain;
   for (const DesignedGain& g : d.gains) {
     const auto& joints = report.spec.model.chain.independent;
     const bool prismatic = std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& j) {
@@ -51,12 +51,7 @@ std::vector<std::string> gain_sentences(const DesignReport& report, const Design
     });
     const std::string text = g.key + ' ' + significant(g.value, 4) + (prismatic ? " N" : " N m") +
                              (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
-    const auto known = std::find_if(joints_by_gain.begin(), joints_by_gain.end(),
-                                    [&](const auto& entry) { return entry.first == text; });
-    if (known == joints_by_gain.end())
-      joints_by_gain.push_back({text, {shown(g.joint)}});
-    else
-      known->second.push_back(shown(g.joint));
+    add_to_group(joints_by_gain, text, shown(g.joint));
   }
   std::vector<std::string> all;
   for (const auto& [text, joints] : joints_by_gain) all.push_back(text + " of " + listed(joints));

@@ -372,18 +372,11 @@ std::string remainder_part(const DiagnosisReport& r) {
 /// What to record or to inspect next, and what the motion of this record hides.
 std::string next_part(const DiagnosisReport& r) {
   std::vector<std::string> items = advice_lines(r.diagnosis);
-  std::vector<std::pair<std::string, std::string>> remedies;  // and the joints
-  for (const DataFinding& f : r.diagnosis.data) {
-    if (f.remedy.empty()) continue;
-    const auto same = std::find_if(remedies.begin(), remedies.end(),
-                                   [&](const auto& other) { return other.first == f.remedy; });
-    const std::string joint = f.joint.empty() ? "the whole record" : shown(f.joint);
-    if (same == remedies.end())
-      remedies.emplace_back(f.remedy, joint);
-    else if ((", " + same->second + ",").find(", " + joint + ",") == std::string::npos)
-      same->second += ", " + joint;
-  }
-  for (const auto& [remedy, joints] : remedies) items.push_back(joints + ": " + remedy);
+  ItemGroups remedies;  // the joints of each
+  for (const DataFinding& f : r.diagnosis.data)
+    if (!f.remedy.empty())
+      add_to_group(remedies, f.remedy, f.joint.empty() ? "the whole record" : shown(f.joint));
+  for (const auto& [remedy, joints] : remedies) items.push_back(joined(joints) + ": " + remedy);
   const std::vector<std::string> hidden = hidden_lines(r.diagnosis);
   if (hidden.empty()) return page::list(items);
   return page::list(items) + page::subtitle("What this motion hides") + page::list(hidden) +

@@ -11,7 +11,6 @@
 #include "qerr/report/diagnosis_report.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/json_value.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -1,4 +1,3 @@
-#include "report/json_value.hpp"
 
 #include <gtest/gtest.h>
 
