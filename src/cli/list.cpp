@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "report/text_table.hpp"

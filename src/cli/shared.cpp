@@ -10,7 +10,6 @@
 #include "input/override.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/kinematics/configurations.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::cli {

@@ -1,7 +1,6 @@
 #include "design/encoder_choice.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace qerr {

@@ -349,7 +349,7 @@ page::Page page_of(const CheckReport& report) {
   const bool fleet = report.specs.size() + report.broken.size() > 1;
   if (fleet) {
     page.about = fleet_block(report);
-    page.sections.push_back({"All specs", fleet_table(report)});
+    page.add("All specs", fleet_table(report));
     page.warnings = shared_warnings(report);
   } else {
     const SpecCheck& only = report.specs.front();
@@ -357,13 +357,12 @@ page::Page page_of(const CheckReport& report) {
     page.warnings = only.analysis.warnings;
   }
   for (const BrokenSpec& b : report.broken)
-    page.sections.push_back(
-        {shown(b.file), page::paragraph("It cannot be checked: " + std::string(b.error.what()))});
+    page.add(shown(b.file), page::paragraph("It cannot be checked: " + std::string(b.error.what())));
   for (const SpecCheck& check : report.specs) {
     const Spec& spec = check.analysis.spec;
     const std::string body = (fleet ? page::title_block(spec, check.results) : "") +
                              (check.baseline ? baseline_of_page(*check.baseline) : "");
-    if (!body.empty()) page.sections.push_back({fleet ? shown(spec.file) : "Baseline", body});
+    page.add(fleet ? shown(spec.file) : "Baseline", body);
   }
   return page;
 }

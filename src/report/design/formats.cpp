@@ -329,8 +329,7 @@ page::Page infeasible_page(const DesignReport& r) {
   page::Page page{"Design of " + r.spec.robot_name,
                   r.proven ? "No design meets the requirements." : "No design was found.",
                   {{"What hinders", hindrances(r)}}};
-  if (r.finest)
-    page.sections.push_back({"The design that is nearest to all limits", chosen_section(r, *r.finest)});
+  if (r.finest) page.add("The design that is nearest to all limits", chosen_section(r, *r.finest));
   return page;
 }
 

@@ -447,18 +447,15 @@ page::Page page_of(const DiagnosisReport& r) {
                   {},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));
-  const auto add = [&](const std::string& heading, const std::string& body) {
-    if (!body.empty()) page.sections.push_back({heading, body});
-  };
-  add("Causes", causes_part(r));
-  add("Sizes of the causes", parameters_part(r));
-  add("What to record next", next_part(r));
+  page.add("Causes", causes_part(r));
+  page.add("Sizes of the causes", parameters_part(r));
+  page.add("What to record next", next_part(r));
   const auto before_and_after = static_cast<std::ptrdiff_t>(page.sections.size());
-  add("What remains", remainder_part(r));
-  add("What the record would have shown", visible_part(r));
-  add("Gain", gain_part(r));
-  add("The record", page::paragraph(in_one_line(record_words(r.log)) + "."));
-  add("Faults of the record itself", record_part(r));
+  page.add("What remains", remainder_part(r));
+  page.add("What the record would have shown", visible_part(r));
+  page.add("Gain", gain_part(r));
+  page.add("The record", page::paragraph(in_one_line(record_words(r.log)) + "."));
+  page.add("Faults of the record itself", record_part(r));
   if (std::string residuals = residuals_part(r, page::bytes_left(page)); !residuals.empty())
     page.sections.insert(page.sections.begin() + before_and_after,
                          {"Before and after", std::move(residuals)});

@@ -8,6 +8,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/text_picture.hpp"
 
 namespace qerr::page {
 
@@ -101,14 +102,6 @@ std::string titled(const AxisRange& range, const std::string& unit) {
   return unit.empty() ? range.label : range.label + " [" + unit + ']';
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below the value.
-double round_step(double least) {
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least * (1 - 1e-9)) return digit * power;
-  return 10 * power;
-}
-
 Axis linear(const AxisRange& range, double least, double largest, int most) {
   const double magnitude = std::max(std::abs(least), std::abs(largest));
   // Labels have six digits: a spread below 1e-4 would give ticks that read alike. It is drawn as one value in
@@ -118,7 +111,7 @@ Axis linear(const AxisRange& range, double least, double largest, int most) {
     least -= half;
     largest += half;
   }
-  const double step = round_step((largest - least) / most);
+  const double step = round_step((largest - least) / most, 1e-9);
   const double first = std::floor(least / step + 1e-9), last = std::ceil(largest / step - 1e-9);
   const PrefixedUnit unit = range.unit.empty() || !range.prefix
                                 ? PrefixedUnit{1, range.unit}

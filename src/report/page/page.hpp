@@ -26,6 +26,11 @@ struct Page {
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
   std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
   std::string report = {};                     ///< JSON of the command, for scripts that read the page
+
+  /// A further section, unless it is empty.
+  void add(const std::string& heading, const std::string& body) {
+    if (!body.empty()) sections.push_back({heading, body});
+  }
 };
 
 /// JSON within a page, which scripts read: no markup and no end of a section begins in it.

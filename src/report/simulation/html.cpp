@@ -365,15 +365,12 @@ page::Page page_of(const SimulationReport& r) {
                   {},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));
-  const auto add = [&](const std::string& heading, const std::string& body) {
-    if (!body.empty()) page.sections.push_back({heading, body});
-  };
-  add("The simulation",
-      page::paragraph(counted(r.simulation.runs, "run") + " of " + counted(r.simulation.samples, "sample") +
-                      ", the first " + std::to_string(r.simulation.settling) + " discarded.") +
-          page::list(simulated_effects(r.spec)));
+  page.add("The simulation", page::paragraph(counted(r.simulation.runs, "run") + " of " +
+                                             counted(r.simulation.samples, "sample") + ", the first " +
+                                             std::to_string(r.simulation.settling) + " discarded.") +
+                                 page::list(simulated_effects(r.spec)));
   if (r.cutoffs) {
-    add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
+    page.add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
     return page;
   }
   if (!r.estimators.empty()) {
@@ -381,17 +378,17 @@ page::Page page_of(const SimulationReport& r) {
                   " has the least error of joint " +
                   page::isolated(r.spec.model.chain.independent[r.estimators.front().joint].name) + ", " +
                   readable(r.estimators.front().rms, speed_unit(r, r.estimators.front())) + " rms.";
-    add("Velocity estimators", estimator_figures(r));
+    page.add("Velocity estimators", estimator_figures(r));
     return page;
   }
   if (r.spec.model.tips) return page;
-  add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
-                                                  page::table(factor_cells(r), "sigma of") + "</div>") +
-                                   deviation_list(r));
-  add("Path of the tip", path_figures(r));
+  page.add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
+                                                       page::table(factor_cells(r), "sigma of") + "</div>") +
+                                        deviation_list(r));
+  page.add("Path of the tip", path_figures(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
-  add("All figures", figure_tables(r));
-  add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
+  page.add("All figures", figure_tables(r));
+  page.add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
   if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())
     page.sections.insert(page.sections.begin() + signals,
                          {"Errors in time, and their spectrum", std::move(figures)});

@@ -88,20 +88,11 @@ ColumnSweep::ColumnSweep(const SpecVariants& variants, const SweepGrid& grid, bo
   if (shared_ < fewest_sharing) shared_ = 1;
 }
 
-std::optional<Spec> ColumnSweep::readable(const std::vector<std::size_t>& steps) const {
-  try {
-    return grid_.spec(variants_, steps);
-  } catch (const Error& e) {
-    if (e.trouble() != Trouble::input) throw;
-    return std::nullopt;
-  }
-}
-
 /// The sources of a variant and of those that differ from it in one axis of effects.
 std::vector<IndependentError> ColumnSweep::sources(std::vector<std::size_t> steps) const {
   std::vector<IndependentError> all;
   const auto add = [&] {
-    const auto spec = readable(steps);
+    const auto spec = grid_.readable(variants_, steps);
     if (!spec) return;
     append(all, effect_report(*spec).sources);
   };
@@ -121,7 +112,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
   result->group = group;
   for (std::uint64_t i = 0; i < std::min(shared_, most_tried); ++i) {
     const std::vector<std::size_t> steps = grid_.steps(group * shared_ + i);
-    const auto spec = readable(steps);
+    const auto spec = grid_.readable(variants_, steps);
     if (!spec) continue;
     const std::vector<IndependentError> places = sources(steps);
     const double numbers = static_cast<double>(size(spec->configurations)) *

@@ -56,7 +56,6 @@ class ColumnSweep {
 
   std::shared_ptr<const Shared> shared(std::uint64_t group) const;
   std::shared_ptr<const Shared> computed(std::uint64_t group) const;
-  std::optional<Spec> readable(const std::vector<std::size_t>& steps) const;
   std::vector<IndependentError> sources(std::vector<std::size_t> steps) const;
   SweptVariant evaluated(std::uint64_t variant, const WorkspaceOptions&, const Shared*) const;
   void judge(SweptVariant&) const;

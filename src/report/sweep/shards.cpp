@@ -52,11 +52,8 @@ void read_named_files(const SpecVariants& variants, const SweepGrid& grid) {
   for (std::size_t a = 0; a < steps.size(); ++a) {
     const SweepAxis& axis = grid.axes()[a];
     if (std::none_of(axis.keys.begin(), axis.keys.end(), spec_format::may_name_a_file)) continue;
-    for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a]) try {
-        grid.spec(variants, steps);
-      } catch (const Error& e) {
-        if (e.trouble() != Trouble::input) throw;  // the variant's rows say what is wrong
-      }
+    for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a])
+      grid.readable(variants, steps);  // where it is not, the variant's rows say what is wrong
     steps[a] = 0;
   }
 }
