@@ -26,7 +26,6 @@
 #include "qerr/core/parameter.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/design/requirement.hpp"
-#include "qerr/design/threshold.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
 #include "qerr/diagnose/plan.hpp"
 #include "qerr/effect/effect.hpp"

@@ -6,9 +6,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/text.hpp"
 #include "input/byte_source.hpp"
-#include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
 

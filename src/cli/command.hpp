@@ -1,12 +1,79 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cli/option.hpp"
-
 namespace qerr::cli {
+
+/// How an option is written, and how its text is checked.
+enum class OptionKind {
+  flag,      ///< without a value
+  text,      ///< one value
+  repeat,    ///< one value each time the option is given
+  list,      ///< as `repeat`, and values may be separated by commas
+  pair,      ///< two values
+  optional,  ///< one value or none: the next word is its value if `is_value` says so
+  number,    ///< a number between `least` and `most`
+  whole,     ///< a whole number between `least` and `most`
+};
+
+/// A row: one option or argument of a command.
+struct Option {
+  std::string_view name;        ///< `--runs`; `-o,--output`; of a positional argument `SPEC`
+  std::string_view value = {};  ///< the value's name in the help, such as `FILE.csv`
+  OptionKind kind = OptionKind::text;
+  std::string_view meaning;
+  std::string_view fallback = {};  ///< value when the option is absent
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool required = false;
+  std::string_view needs = {};  ///< another option that must be given, too
+  /// Of `optional`: what can be a value, and no argument or option; and the value where there is none.
+  bool (*is_value)(const std::string&) = nullptr;
+  std::string_view implied = {};
+  /// The permitted words; null: any text.
+  std::vector<std::string> (*choices)() = nullptr;
+  bool open = false;                 ///< the choices are proposals: any other text is permitted, too
+  std::string_view choice = {};      ///< what a word is, in messages: `format`
+  std::string_view endings = {};     ///< of the files that it may name, such as `.json .txt`; "": any
+  std::string_view stands_for = {};  ///< of a flag: the option in full, such as `--format=json`
+  /// The permitted words behind the argument before, where they depend on it; null: they do not.
+  std::vector<std::string> (*choices_behind)(const std::string& before) = nullptr;
+
+  bool positional() const { return !name.starts_with('-'); }
+  bool takes_value() const { return positional() || kind != OptionKind::flag; }
+  bool needs_value() const { return takes_value() && kind != OptionKind::optional; }
+  bool repeats() const { return kind == OptionKind::repeat || kind == OptionKind::list; }
+  std::string long_name() const;   ///< `--output` of `-o,--output`; `SPEC` of `SPEC`
+  std::string short_name() const;  ///< `-o`; "" if it has none
+  std::string key() const;         ///< `output`: the name by which Values has it
+  std::string range() const;       ///< `1 to 1024` of a number; "" of other kinds
+};
+
+/// Values of the command line, by the key of their rows. A key that the command does not have is a
+/// logic_error.
+class Values {
+ public:
+  using Texts = std::map<std::string, std::vector<std::string>, std::less<>>;
+
+  /// @param given  every key of the command, with no texts where the command line does not have it
+  Values(Texts given, Texts fallbacks);
+
+  bool given(std::string_view name) const;                             ///< on the command line
+  const std::string& text(std::string_view name) const;                ///< if absent its fallback, or ""
+  const std::vector<std::string>& texts(std::string_view name) const;  ///< as given
+
+  /// @pre the option is given, or its row has a fallback
+  double number(std::string_view name) const;
+  std::uint64_t whole(std::string_view name) const;
+
+ private:
+  Texts given_, fallbacks_;
+};
 
 /// A command line to copy, and what it answers.
 struct Example {

@@ -4,8 +4,6 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/filter/code.hpp"
-
 namespace qerr::cli {
 
 namespace {

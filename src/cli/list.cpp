@@ -1,7 +1,6 @@
-#include <algorithm>
-
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -9,11 +8,7 @@ namespace {
 
 std::vector<std::string> kinds() { return list_kinds(); }
 
-std::vector<std::string> names_of(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const ListReport::Row& row : list_report(kind).rows) names.push_back(row.name);
-  return names;
-}
+std::vector<std::string> names_in(const std::string& kind) { return names_of(list_report(kind).rows); }
 
 int run(const Values& v) {
   OutputFile out(v.text("output"));
@@ -38,7 +33,7 @@ Command list_command() {
                    {.name = "NAME",
                     .meaning = "only this one of them",
                     .choice = "name",
-                    .choices_behind = names_of}},
+                    .choices_behind = names_in}},
                   output_options_without_page()}),
           run,
           {{"qerr list effects", "every deviation of a real robot from the ideal model, with its parameters"},

@@ -6,7 +6,6 @@
 #include "cli/shared.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/report/robot_report.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
@@ -11,29 +10,23 @@
 #include "input/override.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/kinematics/configurations.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
+std::vector<std::string> all_formats() { return names_of(formats()); }
+
 std::vector<std::string> format_names() {
-  std::vector<std::string> names;
-  for (const Format& format : formats())
-    if (format.name != "md") names.emplace_back(format.name);
+  std::vector<std::string> names = all_formats();
+  std::erase(names, "md");
   return names;
 }
 
 std::vector<std::string> format_names_without_page() {
   std::vector<std::string> names = format_names();
   std::erase(names, "html");
-  return names;
-}
-
-std::vector<std::string> format_names_with_markdown() {
-  std::vector<std::string> names = format_names();
-  names.emplace_back("md");
   return names;
 }
 
@@ -142,7 +135,7 @@ std::vector<Option> output_options_with_markdown() {
   std::vector<Option> options = output_options();
   options.front().meaning =
       "table, json, csv, html, or md for a job's summary (default: by the output's ending, else table)";
-  options.front().choices = format_names_with_markdown;
+  options.front().choices = all_formats;
   return options;
 }
 
@@ -315,20 +308,11 @@ void warn(const std::vector<std::string>& warnings, const Values& v) {
 
 void warn(const SpecWarnings& of_specs, const Values& v) {
   if (of_specs.size() == 1) return warn(of_specs.front().second, v);
-  std::vector<std::string> order;
-  std::map<std::string, std::string> specs;  // that have a warning
+  ItemGroups specs;  // that have a warning
   for (const auto& [file, warnings] : of_specs)
-    for (const std::string& warning : warnings) {
-      std::string& names = specs[warning];
-      if (names.empty()) order.push_back(warning);
-      if (names != file && !names.ends_with(", " + file)) names += (names.empty() ? "" : ", ") + file;
-    }
+    for (const std::string& warning : warnings) add_to_group(specs, warning, file);
   std::vector<std::string> named;
-  for (const std::string& warning : order) {
-    std::string text = specs.at(warning);
-    text += ": " + warning;
-    named.push_back(std::move(text));
-  }
+  for (const auto& [warning, files] : specs) named.push_back(qerr::joined(files) + ": " + warning);
   warn(named, v);
 }
 

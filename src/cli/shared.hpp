@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/caller.hpp"
-#include "cli/option.hpp"
+#include "cli/command.hpp"
 #include "cli/terminal.hpp"
 #include "core/output_file.hpp"
 #include "input/idle_overrides.hpp"

@@ -1,23 +1,166 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 
-#include "cli/command.hpp"
-#include "cli/sweep_parts.hpp"
+#include "cli/shared.hpp"
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/shards.hpp"
 #include "report/sweep/sweep_page.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
 namespace {
+
+std::vector<std::string> statistic_names() { return names_of(statistic_kinds()); }
+
+/// In the order of the reports, whatever that of the option.
+std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
+  if (!v.given("statistics")) return all_statistics();
+  std::vector<const StatisticKind*> chosen;
+  for (const StatisticKind* kind : all_statistics()) {
+    const auto& names = v.texts("statistics");
+    if (std::find(names.begin(), names.end(), kind->name) != names.end()) chosen.push_back(kind);
+  }
+  return chosen;
+}
+
+/// `--statistics` and `--wide`.
+std::vector<Option> sweep_row_options() {
+  return {{.name = "--statistics",
+           .value = "NAME,...",
+           .kind = OptionKind::list,
+           .meaning = "write these statistics only, e.g. max,p99 (qerr list statistics)",
+           .choices = statistic_names,
+           .choice = "statistic"},
+          {.name = "--wide",
+           .kind = OptionKind::flag,
+           .meaning = "CSV with one row a variant: figures, filters, requirements"}};
+}
+
+/// The rows that the options ask for; sets what the job needs for them.
+SweepRows chosen_rows(SweepJob& job, const Values& v) {
+  const SweepRows rows = v.given("wide") ? wide_rows(job.grid, job.variants, job.statistics)
+                                         : tidy_rows(job.grid, job.statistics);
+  job.text = rows.lines;
+  job.judged = job.judged || v.given("wide");
+  return rows;
+}
+
+/// What the rows of the job depend on.
+RunRecord record_of(const SweepJob& job, const Values& v) {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const char* name : {"set", "seed", "statistics", "wide"}) {
+    std::string value;
+    for (const std::string& text : v.texts(name)) value += text + '\n';
+    if (v.given(name)) options.emplace_back("--" + std::string(name), value);
+  }
+  return {job.variants, job.grid, options};
+}
+
+/// A line to standard error, with --quiet, too.
+void say(const std::string& line) {
+  clear_progress();
+  std::fputs(("qerr: " + line + '\n').c_str(), stderr);
+}
+
+/// `3 of 175 variants`.
+std::string of_variants(std::uint64_t number, const SweepCounts& counts) {
+  return std::to_string(number) + " of " + counted(counts.variants, "variant");
+}
+
+/// How many variants were not computed, if there are any.
+void say_failed(const SweepCounts& counts) {
+  if (counts.failed > 0)
+    say(of_variants(counts.failed, counts) + " cannot be computed or judged: the rows say why");
+}
+
+/// The record of the sweep of a spec.
+RunRecord record_of_spec(const std::string& path, const Values& v) {
+  const SpecVariants variants(read_text(path), path, overrides(v));
+  refuse_varied(variants.base(), overrides(v));
+  const SweepGrid grid(variants.base());
+  return record_of({.variants = variants, .grid = grid, .statistics = {}, .text = {}}, v);
+}
+
+/// What is not to be written before it is whole: an error leaves nothing on standard output.
+class Spool {
+ public:
+  Spool() : file_(std::tmpfile()) {
+    if (!file_) fail();
+  }
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+  ~Spool() { std::fclose(file_); }
+
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+  }
+  void copy_to(OutputFile& out) {
+    std::rewind(file_);
+    std::string block(std::size_t{1} << 16, '\0');
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_))
+      out.write(std::string_view(block).substr(0, count));
+    if (std::ferror(file_) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] static void fail() {
+    throw Error(Fault{{"temporary file"},
+                      "",
+                      std::string("cannot be written: ") + std::strerror(errno),
+                      "",
+                      "name the output: -o FILE.csv"},
+                Trouble::file_system);
+  }
+
+  std::FILE* file_;
+};
+
+int run_merge(const Values& v) {
+  std::vector<std::string> files = v.texts("FILE");
+  if (v.given("spec")) files.push_back(v.text("spec"));
+  refuse_shared_input(files, "FILE");
+  std::optional<RunRecord> expected;
+  if (v.given("spec")) expected = record_of_spec(v.text("spec"), v);
+  for (const std::string& file : v.texts("FILE")) note_input(file);
+  OutputFile out(v.text("output"), "--output");
+  std::optional<Spool> spool;
+  if (v.text("output") == "-") spool.emplace();
+  const SweepCounts counts =
+      merge_shards(v.texts("FILE"), expected ? &*expected : nullptr,
+                   [&](const std::string& text) { spool ? spool->write(text) : out.write(text); });
+  if (spool) spool->copy_to(out);
+  out.close();
+  say_failed(counts);
+  return 0;
+}
+
+/// The options of sweep on which the rows depend; they say what the files should hold.
+std::vector<Option> spec_comparison() {
+  std::vector<Option> options = joined({spec_options(), sweep_row_options()});
+  options.front() = {.name = "--spec",
+                     .value = "SPEC",
+                     .meaning = "refuse shards of another spec, other files that it names, other options"};
+  for (Option& option : options)
+    if (option.name == "--set" || option.name == "--statistics" || option.name == "--wide")
+      option.needs = "--spec";
+  return options;
+}
 
 /// `2/5`.
 Shard chosen_shard(const Values& v) {
@@ -68,11 +211,9 @@ double work(const SweepJob& job) {
     const SweepAxis& axis = job.grid.axes()[a];
     if (!is_read_before(axis)) continue;
     double sum = 0;
-    for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a]) try {
-        sum += static_cast<double>(size(job.grid.spec(job.variants, steps).configurations));
-      } catch (const Error& e) {
-        if (e.trouble() != Trouble::input) throw;  // a variant that fails takes no time
-      }
+    for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a])
+      if (const auto spec = job.grid.readable(job.variants, steps))  // a variant that fails takes no time
+        sum += static_cast<double>(size(spec->configurations));
     steps[a] = 0;
     work *= sum / (usual * static_cast<double>(axis.steps.size()));
   }
@@ -144,21 +285,19 @@ int write_csv(SweepJob job, const Values& v) {
       return marked_lines(text(variant), verdict_of(variant, judged), mark);
     };
   }
-  const bool judged = job.judged;
-  const SweepRun sweep(std::move(job));
   ShardFile file(v.text("output"), "--output", rows.header, record, marked, v.given("resume"));
   SweepCounts kept;
-  if (v.given("resume")) kept = file.resume(judged);
+  if (v.given("resume")) kept = file.resume(job.judged);
   if (file.compares())
     warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew, "
                              "and those that it holds compared"},
          v);
   if (v.text("output") != "-")
     say_on_interrupt(v.text("output") + " has the rows so far: the same command with --resume goes on");
-  const SweepOutcome outcome = sweep.run(
-      kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
+  const SweepOutcome outcome = run_sweep(
+      job, kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
       progress(v, "variants"));
-  require_unchanged(record, record_of(sweep.job(), v), v.text("output"));
+  require_unchanged(record, record_of(job, v), v.text("output"));
   file.close();
   if (file.replaces())
     warn({v.text("output") + ": rows had been changed after they were written: they are computed anew"}, v);
@@ -175,11 +314,9 @@ int write_json(SweepJob job, const Values& v) {
     return (variant.variant > 0 ? text.separator : "") + SweepJson::variant(variant, grid, statistics);
   };
   out.write(text.begin);
-  const SweepOutcome outcome =
-      SweepRun(std::move(job))
-          .run(
-              {}, [&](const std::string& variants, const SweepCounts&) { out.write(variants); },
-              progress(v, "variants"));
+  const SweepOutcome outcome = run_sweep(
+      job, {}, [&](const std::string& variants, const SweepCounts&) { out.write(variants); },
+      progress(v, "variants"));
   finish(out, text.end);
   return finish_sweep(outcome, v);
 }
@@ -197,15 +334,14 @@ SweepOutcome filled(Report& report, SweepJob job, const Values& v) {
     waiting.emplace(variant.variant, std::move(row));
     return "";
   };
-  return SweepRun(std::move(job))
-      .run(
-          {},
-          [&](const std::string&, const SweepCounts& counts) {
-            const std::lock_guard lock(guard);
-            while (!waiting.empty() && waiting.begin()->first < counts.variants)
-              report.add(std::move(waiting.extract(waiting.begin()).mapped()));
-          },
-          progress(v, "variants"));
+  return run_sweep(
+      job, {},
+      [&](const std::string&, const SweepCounts& counts) {
+        const std::lock_guard lock(guard);
+        while (!waiting.empty() && waiting.begin()->first < counts.variants)
+          report.add(std::move(waiting.extract(waiting.begin()).mapped()));
+      },
+      progress(v, "variants"));
 }
 
 int write_table(const SweepJob& job, const Values& v) {
@@ -273,6 +409,23 @@ int run(const Values& v) {
 }
 
 }  // namespace
+
+Command merge_command() {
+  return {
+      "merge",
+      "Join the files of the shards of a sweep: the bytes of one run",
+      joined({{{.name = "FILE",
+                .kind = OptionKind::repeat,
+                .meaning = "a file of each shard, in any order",
+                .required = true}},
+              spec_comparison(),
+              {text_output_option(".csv .txt")}}),
+      run_merge,
+      {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv", "one file of all variants"},
+       {"qerr merge shards/*.csv --spec arm.yaml -o sweep.csv",
+        "the same, and none of them is of another spec"}},
+      {"variants"}};
+}
 
 Command sweep_command() {
   return {"sweep",

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "cli/option.hpp"
+#include "cli/command.hpp"
 #include "qerr/report/write.hpp"
 
 /// What depends on the terminal: colours, width, progress.

@@ -1,4 +1,4 @@
-#include "design/choice_pool.hpp"
+#include "design/encoder_choice.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include "design/encoder_choice.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace qerr {
@@ -295,21 +294,6 @@ ChoiceResult EncoderSearch::find(const ChoiceRequest& request) {
                  : best_.empty() ? open_bound_
                                  : std::min(open_bound_, best_.front().first);
   return result;
-}
-
-std::vector<std::size_t> unreachable_figures(const ChoiceProblem& problem,
-                                             const std::vector<double>& limits) {
-  const std::vector<std::size_t> offsets = option_offsets(problem);
-  const PermittedOptions all(offsets.back(), 1);
-  std::vector<std::size_t> list;
-  for (std::size_t f = 0; f < problem.figures.size(); ++f) {
-    const ChoiceFigure& figure = problem.figures[f];
-    if (figure.sums.empty()) continue;
-    const SumWeights least = least_weights(figure, offsets, all);
-    if (!compare_with_limit(figure, least, limits[f] * (1 + figure.tolerance), problem.configurations).met)
-      list.push_back(f);
-  }
-  return list;
 }
 
 }  // namespace qerr

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "report/check/parts.hpp"
-#include "report/json_header.hpp"
+#include "qerr/report/write.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -30,13 +30,13 @@ Json whole_json(const CheckReport& report) {
 
 template <class Report>
 std::string to_json(const Report& report, const Style&) {
-  return whole_json(report).document();
+  return document(whole_json(report));
 }
 
 template <class Report>
 std::string to_html(const Report& report, const Style&) {
   page::Page page = page_of(report);
-  page.report = whole_json(report).line();
+  page.report = line(whole_json(report));
   return markup(page);
 }
 
@@ -73,12 +73,6 @@ inline constexpr std::array<Exporter<Report>, 5> exporters{{
     {{"html", ".html", "a page with pictures"}, html_of<Report>()},
     {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>()},
 }};
-
-std::vector<std::string> format_names() {
-  std::vector<std::string> names;
-  for (const Format& format : formats()) names.emplace_back(format.name);
-  return names;
-}
 
 Error not_written(std::string_view format) {
   return Error({{},
@@ -139,7 +133,7 @@ std::string write(const Report& report, std::string_view format, const Style& st
              exporter.write(report, style);
     }
   throw Error(
-      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
+      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, names_of(formats()))},
       Trouble::usage);
 }
 
@@ -154,5 +148,88 @@ template std::string write(const DiagnosisReport&, std::string_view, const Style
 template std::string write(const PlanReport&, std::string_view, const Style&);
 template std::string write(const RobotReport&, std::string_view, const Style&);
 template std::string write(const ListReport&, std::string_view, const Style&);
+
+namespace {
+
+/// A value of the spec that --set replaced.
+struct ChangedValue {
+  std::string key, value;
+};
+
+ChangedValue changed_value(const std::pair<std::string, std::string>& o) { return {o.first, o.second}; }
+
+}  // namespace
+
+RowsOf<ChangedValue> rows(Of<ChangedValue>) {
+  return {{"key", &ChangedValue::key}, {"value", &ChangedValue::value}};
+}
+
+RowsOf<Spec> rows(Of<Spec>) {
+  return {{"file", &Spec::file},
+          {"sha256", &Spec::sha256, "of the file's bytes"},
+          {"set", [](auto& s) { return s.overrides | std::views::transform(changed_value); },
+           "the values that --set replaced", optional}};
+}
+
+RowsOf<Interval> rows(Of<Interval>) {
+  return {{"lower", &Interval::lower, nullable}, {"upper", &Interval::upper, nullable}};
+}
+
+std::vector<std::vector<double>> nested(const Eigen::MatrixXd& m) {
+  std::vector<std::vector<double>> rows;
+  for (const auto& row : m.rowwise()) rows.emplace_back(row.begin(), row.end());
+  return rows;
+}
+
+std::vector<std::pair<std::string, double>> by_joint(const Spec& spec, const Eigen::VectorXd& values) {
+  std::vector<std::pair<std::string, double>> all;
+  for (const double value : values) all.emplace_back(spec.model.chain.independent[all.size()].name, value);
+  return all;
+}
+
+namespace {
+
+/// A row: a command with a JSON report.
+struct OutputSchema {
+  std::string_view command;
+  std::string_view title;
+  Json (*schema)();
+};
+
+constexpr OutputSchema output_schemas[] = {
+    {"analyze", "qerr analyze --format json", schema_of<Analysis>},
+    {"check", "qerr check --format json",
+     [] {
+       return Json{{"anyOf", Json::array({schema_of<SpecCheck>(), schema_of<CheckReport>()})}};
+     }},
+    {"compare", "qerr compare --format json", schema_of<ReportComparison>},
+    {"design", "qerr design --format json", schema_of<DesignReport>},
+    {"filter", "qerr filter --format json", schema_of<FilterReport>},
+    {"simulate", "qerr simulate --format json", schema_of<SimulationReport>},
+    {"diagnose", "qerr diagnose --format json", schema_of<DiagnosisReport>},
+    {"plan", "qerr diagnose --plan --format json", schema_of<PlanReport>},
+    {"sweep", "qerr sweep --format json", sweep_schema},
+    {"threshold", "qerr threshold --format json", schema_of<ThresholdReport>},
+    {"robot", "qerr robot --format json", schema_of<RobotReport>},
+    {"list", "qerr list --format json", schema_of<std::vector<ListReport::Row>>},
+};
+
+}  // namespace
+
+std::vector<std::string> output_schema_names() {
+  std::vector<std::string> names;
+  for (const OutputSchema& row : output_schemas) names.emplace_back(row.command);
+  return names;
+}
+
+std::string output_schema(std::string_view command) {
+  for (const OutputSchema& row : output_schemas)
+    if (row.command == command) {
+      Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", row.title}};
+      root.update(row.schema());
+      return document(root);
+    }
+  throw std::logic_error("no report has the name '" + std::string(command) + "'");
+}
 
 }  // namespace qerr

@@ -1,17 +1,18 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <functional>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <ranges>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include "report/json_value.hpp"
 
 /// The members of a report's objects as rows: JSON and JSON Schema (draft 2020-12) follow from one list.
 ///
@@ -26,6 +27,20 @@
 /// The schema of a member follows from the type of its value. Objects are open: a later version may add
 /// members.
 namespace qerr {
+
+/// JSON whose objects keep the order in which their members were added. A number that is not finite is null.
+using Json = nlohmann::ordered_json;
+
+/// The value that a text holds (RFC 8259), with at most 64 levels.
+/// @param file  that has the text, for messages
+/// @throws Error (input) with line and column where it is no JSON
+Json parse_json(const std::string& text, const std::string& file);
+
+/// The document: indented by two blanks a level, with a line break at its end. Doubles are written with as
+/// many digits as read back as the same double; bytes that are not UTF-8 are replaced by U+FFFD.
+std::string document(const Json&);
+/// The document on one line, without the break.
+std::string line(const Json&);
 
 /// What a member without a value is: that of an empty std::optional, and of rows that are not `required` an
 /// empty text, list or object. A number that is not finite is null in any case.
@@ -80,9 +95,9 @@ Json schema_of();
 namespace kind {
 
 template <class T>
-concept Text = std::convertible_to<const T&, std::string_view>;
+concept Text = std::convertible_to<const T&, std::string_view> && !std::same_as<T, Json>;
 template <class T>
-concept List = std::ranges::input_range<const T> && !Text<T>;
+concept List = !Text<T> && !std::same_as<T, Json> && std::ranges::input_range<const T>;
 /// Values by names.
 template <class T>
 concept Map = List<T> && requires(std::ranges::range_value_t<const T> entry) {
@@ -206,7 +221,11 @@ Json json_of(const T& value) {
     Json list = Json::array();
     for (const auto& item : value) list.push_back(json_of(item));
     return list;
-  } else if constexpr (std::convertible_to<const T&, Json>) {
+  } else if constexpr (std::floating_point<T>) {
+    return std::isfinite(value) ? Json(value) : Json();
+  } else if constexpr (kind::Text<T>) {
+    return std::string(std::string_view(value));
+  } else if constexpr (std::is_arithmetic_v<T> || std::same_as<T, Json>) {
     return value;
   } else {
     return object_of(rows_of<T>(), &value);
@@ -231,6 +250,36 @@ Json schema_of() {
     return Json::object();
   else
     return schema_of(rows_of<T>());
+}
+
+/// Cells of CSV as RFC 4180 has them; a row ends with "\r\n".
+
+/// The text with hidden characters escaped (core/text.hpp), quoted where it would be read otherwise. A text
+/// that a spreadsheet would take for a formula, and that is no quantity such as `-5 deg`, starts with an
+/// apostrophe, which column_name (input/csv.hpp) removes.
+std::string csv_cell(const std::string& text);
+
+/// The shortest digits that read back as the same double; `inf` of what is unbounded; empty, which plotting
+/// tools read as missing, of what is not known.
+std::string csv_number(double value);
+std::string csv_number(const std::optional<double>& value);
+
+/// Cells of an object's members; a path such as `limits.lower` names those of an object in it. Empty:
+/// missing.
+std::string csv_cells(const Json& object, const std::vector<std::string>& paths);
+
+/// The paths of all members that are no objects. @param schema  of an object
+std::vector<std::string> csv_paths(const Json& schema);
+
+/// One row for each item, with a column for each of its members but those `without`.
+template <class T>
+std::string csv_of(const std::vector<T>& items, const std::set<std::string>& without = {}) {
+  std::vector<std::string> paths = csv_paths(schema_of<T>());
+  std::erase_if(paths, [&](const std::string& path) { return without.contains(path); });
+  std::string out;
+  for (const std::string& path : paths) out += (out.empty() ? "" : ",") + path.substr(path.rfind('.') + 1);
+  for (const T& item : items) out += "\r\n" + csv_cells(json_of(item), paths);
+  return out + "\r\n";
 }
 
 }  // namespace qerr

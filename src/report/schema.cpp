@@ -8,7 +8,6 @@
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
 #include "report/formats.hpp"
-#include "report/rows.hpp"
 #include "simulate/estimators/estimator.hpp"
 
 /// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits
@@ -22,14 +21,14 @@ Json quantity() {
   return {{"type", "string"}, {"pattern", "^[+-]?(0|[1-9][0-9]*)?\\.?[0-9]*([eE][+-]?[0-9]+)? *[^ ].*$"}};
 }
 
-Json any_of(std::initializer_list<Json> schemas) { return {{"anyOf", Json::array(schemas)}}; }
+Json any_of(const std::vector<Json>& schemas) { return {{"anyOf", schemas}}; }
 
 Json number_or_quantity() { return any_of({Json({{"type", "number"}}), quantity()}); }
 
 Json non_empty_list_of(Json items) {
   return {{"type", "array"}, {"minItems", 1}, {"items", std::move(items)}};
 }
-Json required(std::initializer_list<Json> names) { return {{"required", Json::array(names)}}; }
+Json required(const std::vector<std::string>& names) { return {{"required", names}}; }
 
 /// A bare number within the row's range and that of physics, or text with a number and a unit (whose range
 /// only the reader can judge). Of a joint coordinate the range of angles, as it includes that of lengths.
@@ -86,7 +85,7 @@ Json of_row(const Parameter& p) {
 Json object_of(const std::vector<Parameter>& rows) {
   Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
   for (const Parameter& p : rows) {
-    s["properties"][p.name] = of_row(p);
+    s["properties"][std::string(p.name)] = of_row(p);
     if (p.required) s["required"].push_back(p.name);
   }
   return s;
@@ -133,7 +132,7 @@ Json filter() {
     const Json stated = required({key});
     s["anyOf"].push_back(stated);
     for (const Parameter& p : r.beside) {
-      s["dependencies"][p.name] = Json::array({key});
+      s["dependencies"][std::string(p.name)] = Json::array({key});
       if (p.required) s["dependencies"][key].push_back(p.name);
     }
     // A filter has one representation.
@@ -179,7 +178,7 @@ Json design_encoder() {
   Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
   for (const EncoderKind& kind : encoder_kinds())
     for (const Parameter& row : encoder_parameters(kind))
-      s["properties"][row.name] = {{"description", of_row(row)["description"]}};
+      s["properties"][std::string(row.name)] = {{"description", of_row(row)["description"]}};
   s["properties"]["catalogue"] = {{"type", "string"},
                                   {"description", "path of a CSV file, relative to this file"}};
   s["properties"]["price"] = {{"description", "of each value, or {fixed, per_bit}"}};
@@ -274,8 +273,8 @@ std::string json_schema() {
   refine(s, "walls", schema::map(wall()));
   refine(s, "sweep", schema::list(sweep()));
   refine(s, "design", design());
-  root.append(s);
-  return root.document();
+  root.update(s);
+  return document(root);
 }
 
 }  // namespace qerr

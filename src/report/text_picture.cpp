@@ -167,10 +167,10 @@ ValueRange range_of(const TextPicture& p) {
 
 }  // namespace
 
-double round_step(double least) {
+double round_step(double least, double tolerance) {
   const double power = std::pow(10, std::floor(std::log10(least)));
   for (const double digit : {1.0, 2.0, 5.0})
-    if (digit * power >= least) return digit * power;
+    if (digit * power >= least * (1 - tolerance)) return digit * power;
   return 10 * power;
 }
 

@@ -16,8 +16,8 @@ struct TextPicture {
   std::string ordinate, abscissa;  ///< names of the axes, with units
 };
 
-/// The smallest of 1, 2, 5 times a power of ten that is at least `least`.
-double round_step(double least);
+/// The smallest of 1, 2, 5 times a power of ten that is at least `least`, but for a relative tolerance.
+double round_step(double least, double tolerance = 0);
 
 /// The picture, at most ten rows high between its legend and its abscissa, in lines of at most
 /// `style.width` columns, behind an indent. Ticks are at 1, 2, 2.5 or 5 times a power of ten; zero is always

@@ -129,11 +129,11 @@ std::string aligned(const TableRows& rows, const std::string& indent) {
   return out;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> lines_of(std::string_view text) {
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    lines.push_back(text.substr(at, end - at));
+    lines.emplace_back(text.substr(at, end - at));
     at = end + 1;
   }
   return lines;
@@ -199,6 +199,12 @@ bool add_once(std::vector<std::string>& list, const std::string& item) {
   if (std::find(list.begin(), list.end(), item) != list.end()) return false;
   list.push_back(item);
   return true;
+}
+
+void add_to_group(ItemGroups& groups, const std::string& name, const std::string& item) {
+  auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == name; });
+  if (group == groups.end()) group = groups.insert(group, {name, {}});
+  add_once(group->second, item);
 }
 
 namespace {

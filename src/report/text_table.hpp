@@ -39,7 +39,7 @@ std::vector<std::string> aligned_lines(const TableRows& rows, const std::string&
 std::string aligned(const TableRows& rows, const std::string& indent = "  ");
 
 /// The lines of a text, without their line breaks.
-std::vector<std::string> lines_of(const std::string& text);
+std::vector<std::string> lines_of(std::string_view text);
 
 /// A fraction in percent, with three significant digits: `12.3 %`; `<0.001 %` and `>10000 %` beyond these
 /// ends, "" for NaN.
@@ -81,6 +81,19 @@ std::string joined(const Items& items, std::string_view separator = ", ", const 
 
 /// Appends an item that the list does not have yet. @returns whether it has none
 bool add_once(std::vector<std::string>& list, const std::string& item);
+
+/// Items by what they have in common, in the order in which that was first met.
+using ItemGroups = std::vector<std::pair<std::string, std::vector<std::string>>>;
+/// Adds an item once to the group of that name.
+void add_to_group(ItemGroups& groups, const std::string& name, const std::string& item);
+
+/// The names of rows, such as those of a family.
+template <class Rows>
+std::vector<std::string> names_of(const Rows& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
 
 /// Appends the items of another list.
 template <class T>

@@ -1,4 +1,4 @@
-#include "report/csv_text.hpp"
+#include "report/rows.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "report/diagnosis/joint_residual.hpp"
-#include "report/diagnosis/page/residuals.hpp"
 #include "report/fourier.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"

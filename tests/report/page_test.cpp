@@ -7,7 +7,6 @@
 
 #include "report/page/frame.hpp"
 #include "report/page/heat_map.hpp"
-#include "report/page/markup.hpp"
 #include "report/page/plot.hpp"
 
 namespace qerr::page {

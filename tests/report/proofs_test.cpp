@@ -8,7 +8,7 @@
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
 #include "report/compare/parts.hpp"
-#include "report/json_value.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 namespace {
@@ -91,13 +91,13 @@ TEST(ProvenRequirement, IsNotEvaluatedWithTheSample) {
 TEST(Proofs, StandInEveryFormat) {
   const Analysis a = analyze(premium(""), {}, {.gap = 0.05, .all = true});
   ASSERT_EQ(a.proofs.size(), 12u);
-  const Json json = Json::parse(write(a, "json"), "report");
-  const Json& worst = *json.find("position")->items()->at(0).find("worst_case");
-  const Json& proven = *worst.find("proven");
-  EXPECT_GE(*proven.find("lower")->number(), *worst.find("max")->number());
-  EXPECT_NEAR(*proven.find("gap")->number(),
-              *proven.find("upper")->number() / *proven.find("lower")->number() - 1, 1e-15);
-  EXPECT_EQ(proven.find("at")->members().size(), 3u);
+  const Json json = parse_json(write(a, "json"), "report");
+  const Json& worst = json.at("position").at(0).at("worst_case");
+  const Json& proven = worst.at("proven");
+  EXPECT_GE(proven.at("lower").get<double>(), worst.at("max").get<double>());
+  EXPECT_NEAR(proven.at("gap").get<double>(),
+              proven.at("upper").get<double>() / proven.at("lower").get<double>() - 1, 1e-15);
+  EXPECT_EQ(proven.at("at").size(), 3u);
   const std::string csv = write(a, "csv"), table = write(a, "table");
   EXPECT_NE(csv.find("position,,x,m,worst_case,proven_lower,"), std::string::npos);
   EXPECT_NE(csv.find("derivative,velocity,z,m/s,sigma,proven_max,"), std::string::npos);

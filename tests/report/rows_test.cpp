@@ -1,13 +1,9 @@
-#include "report/rows.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "qerr/design/threshold.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/csv_text.hpp"
-#include "report/json_header.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 namespace {
@@ -36,16 +32,16 @@ RowsOf<Toy> rows(Of<Toy>) {
 }
 
 const Json& property(const Json& schema, std::string_view name) {
-  return *schema.find("properties")->find(name);
+  return schema.at("properties").at(std::string(name));
 }
 
 TEST(ReportRows, AFieldIsOneRowThatJsonAndSchemaHave) {
   const Toy toy;
   const RowsOf<Toy> more =
       rows(Of<Toy>()).with({{"double_mass", [](auto& t) { return 2 * t.mass; }, "twice [kg]"}});
-  EXPECT_EQ(object_of(rows_of<Toy>(), &toy).find("double_mass"), nullptr);
-  EXPECT_EQ(object_of(more.list, &toy).find("double_mass")->line(), "4.0");
-  EXPECT_EQ(property(schema_of(more.list), "double_mass").line(),
+  EXPECT_EQ(object_of(rows_of<Toy>(), &toy).contains("double_mass"), false);
+  EXPECT_EQ(line(object_of(more.list, &toy).at("double_mass")), "4.0");
+  EXPECT_EQ(line(property(schema_of(more.list), "double_mass")),
             R"({"type":"number","description":"twice [kg]"})");
 }
 
@@ -53,25 +49,25 @@ TEST(ReportRows, AFieldOfAReportIsOneRow) {
   const ThresholdReport report{{{.robot = "arm", .joint = "elbow"}}};
   const RowsOf<ThresholdReport> more =
       rows(Of<ThresholdReport>()).with({{"toy", [](auto& r) { return r.rows.front().robot; }}});
-  EXPECT_EQ(object_of(more.list, &report).find("toy")->line(), "\"arm\"");
-  EXPECT_EQ(property(schema_of(more.list), "toy").line(), R"({"type":"string"})");
+  EXPECT_EQ(line(object_of(more.list, &report).at("toy")), "\"arm\"");
+  EXPECT_EQ(line(property(schema_of(more.list), "toy")), R"({"type":"string"})");
   const Json schema = schema_of(more.list);
-  EXPECT_EQ(schema.find("required")->line(), R"(["qerr","command","robots","toy"])");
+  EXPECT_EQ(line(schema.at("required")), R"(["qerr","command","robots","toy"])");
 }
 
 TEST(ReportRows, AMemberWithoutAValueIsNullOrAbsentAsItsSchemaSays) {
   Toy toy;
-  EXPECT_EQ(json_of(toy).line(), R"({"mass":2.0,"price":null,"parts":[],"loud":false})");
+  EXPECT_EQ(line(json_of(toy)), R"({"mass":2.0,"price":null,"parts":[],"loud":false})");
   toy.owner = "Eve";
   toy.price = 3;
   toy.parts = {{"wheel", std::numeric_limits<double>::infinity()}};
-  EXPECT_EQ(json_of(toy).line(), R"({"mass":2.0,"owner":"Eve","price":3.0,"parts":[{"name":"wheel",)"
-                                 R"("mass":null}],"loud":false})");
+  EXPECT_EQ(line(json_of(toy)), R"({"mass":2.0,"owner":"Eve","price":3.0,"parts":[{"name":"wheel",)"
+                                R"("mass":null}],"loud":false})");
   const Json schema = schema_of<Toy>();
-  EXPECT_EQ(schema.find("required")->line(), R"(["mass","price","parts","loud"])");
-  EXPECT_EQ(property(schema, "price").line(), R"({"anyOf":[{"type":"number"},{"type":"null"}]})");
-  EXPECT_EQ(property(schema, "loud").line(), R"({"type":"boolean"})");
-  EXPECT_EQ(property(*property(schema, "parts").find("items"), "mass").line(),
+  EXPECT_EQ(line(schema.at("required")), R"(["mass","price","parts","loud"])");
+  EXPECT_EQ(line(property(schema, "price")), R"({"anyOf":[{"type":"number"},{"type":"null"}]})");
+  EXPECT_EQ(line(property(schema, "loud")), R"({"type":"boolean"})");
+  EXPECT_EQ(line(property(property(schema, "parts").at("items"), "mass")),
             R"({"anyOf":[{"type":"number"},{"type":"null"}],"description":"[kg]"})");
 }
 
@@ -87,7 +83,7 @@ RowsOf<In<Toy, Shelf>> rows(Of<In<Toy, Shelf>>) {
 
 TEST(ReportRows, AnItemKnowsItsPlaceInTheWhole) {
   const Shelf shelf{{Toy{.mass = 1}, Toy{.mass = 5}}};
-  EXPECT_EQ(json_of(within(&Shelf::toys)(shelf)).line(),
+  EXPECT_EQ(line(json_of(within(&Shelf::toys)(shelf))),
             R"([{"place":0,"mass":1.0,"of":2},{"place":1,"mass":5.0,"of":2}])");
 }
 

@@ -138,7 +138,7 @@ std::pair<std::string, std::string> merged_and_whole(Dice& dice) {
       return marked ? marked_lines(rows.lines(v), verdict_of(v, job.judged), mark) : rows.lines(v);
     };
     std::string text = rows.header + (marked ? ',' + mark : std::string()) + "\r\n";
-    SweepRun(job).run({}, [&](const std::string& lines, const SweepCounts&) { text += lines; });
+    run_sweep(job, {}, [&](const std::string& lines, const SweepCounts&) { text += lines; });
     return text;
   };
   const std::uint64_t shards = 1 + dice.below(5);

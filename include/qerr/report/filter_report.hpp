@@ -148,4 +148,14 @@ std::string impulse_csv(const FilterReport&);
 /// reached 99.99 % of its steady state ||H||_2; of a slow filter every n-th sample.
 std::string transient_csv(const Spec&);
 
+/// A language in which filters are written: a row of `code_languages`.
+struct CodeLanguage {
+  std::string_view name, ending, summary;
+  /// @throws Error (input) for a filter that the form cannot hold
+  std::string (*write)(const FilterReport&);
+};
+
+/// C, Python, and chains of ROS filters.
+const std::vector<CodeLanguage>& code_languages();
+
 }  // namespace qerr

@@ -2,20 +2,11 @@
 
 #include "cli/help/page.hpp"
 #include "core/text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
 namespace {
-
-std::vector<std::string> lines_of(std::string_view text) {
-  std::vector<std::string> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    lines.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
 
 /// `| a | b |`; `\|` is a bar in a cell.
 std::vector<std::string> cells_of(const std::string& line) {

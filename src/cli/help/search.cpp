@@ -4,6 +4,7 @@
 
 #include "cli/help/page.hpp"
 #include "core/text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -34,11 +35,7 @@ bool has_all(const std::vector<std::string>& words, std::string_view text) {
 std::vector<std::string> texts_of(const Block& block) {
   std::vector<std::string> texts;
   if (block.kind == Block::Kind::verbatim) {
-    for (std::size_t at = 0; at < block.text.size();) {
-      const std::size_t end = block.text.find('\n', at);
-      texts.push_back('`' + block.text.substr(at, end - at) + '`');
-      at = end + 1;
-    }
+    for (const std::string& line : lines_of(block.text)) texts.push_back('`' + line + '`');
   } else if (block.kind == Block::Kind::table) {
     for (std::size_t r = 1; r < block.rows.size(); ++r) {
       texts.emplace_back();
@@ -105,9 +102,7 @@ std::optional<Page> search_pages(const std::vector<std::string>& words) {
   std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
     return std::tie(a.rank, a.prose) > std::tie(b.rank, b.prose);
   });
-  std::string asked;
-  for (const std::string& word : words) asked += (asked.empty() ? "" : " ") + word;
-  Page result{"help " + asked, counted(all.size(), "page") + " of the help", {}};
+  Page result{"help " + qerr::joined(words, " "), counted(all.size(), "page") + " of the help", {}};
   std::string others;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Page& page = *all[i].page;

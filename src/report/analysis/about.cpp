@@ -8,7 +8,6 @@
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/text_table.hpp"
 

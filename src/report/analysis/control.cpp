@@ -123,8 +123,7 @@ ControlReport control_report(const Spec& spec, bool required_only) {
 }
 
 bool any_of_control(const Spec& spec) {
-  return std::any_of(spec.requirements.begin(), spec.requirements.end(),
-                     [](const Requirement& r) { return r.of_control; });
+  return std::ranges::any_of(spec.requirements, &Requirement::of_control);
 }
 
 namespace {

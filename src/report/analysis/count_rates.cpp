@@ -96,11 +96,6 @@ std::vector<std::string> count_rate_warnings(const Spec& spec) {
   return warnings;
 }
 
-bool any_counter(const Spec& spec) {
-  return std::any_of(spec.requirements.begin(), spec.requirements.end(),
-                     [](const Requirement& r) { return r.counter >= 0; });
-}
-
 double required_count_rate(const Requirement& r, const Spec& spec, const EncoderSpeeds& speeds) {
   const auto i = static_cast<std::size_t>(r.counter);
   if (speeds[i]) return count_rate(spec, i, *speeds[i]);

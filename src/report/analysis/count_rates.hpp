@@ -40,9 +40,6 @@ std::string count_rate_text(const Spec&, std::size_t encoder, double speed);
 /// Encoders that cannot count as fast as they turn, and those of which it is not known.
 std::vector<std::string> count_rate_warnings(const Spec&);
 
-/// Whether a requirement limits a count rate.
-bool any_counter(const Spec&);
-
 /// The value of a requirement on a count rate.
 /// @throws Error (input) if the speed is not known
 double required_count_rate(const Requirement&, const Spec&, const EncoderSpeeds&);

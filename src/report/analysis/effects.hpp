@@ -72,9 +72,6 @@ std::vector<EffectParameter> effect_parameters(const Spec&, const Effect&);
 /// They for people, without those that have their default: `gap 200 urad`.
 std::string parameters_text(const Spec&, const Effect&);
 
-/// The section of `analyze`: every effect, the errors that it adds at its joint, and its parameters.
-std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Style&);
-
 /// `analyze` with effects that are already evaluated.
 /// @param effects  of `effect_report` for this spec
 Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&, const ProofRequest&);

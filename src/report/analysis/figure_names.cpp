@@ -8,7 +8,6 @@
 #include "report/analysis/control.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
 
 namespace qerr {

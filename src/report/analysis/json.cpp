@@ -6,7 +6,7 @@
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/json_header.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 

@@ -12,7 +12,6 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -199,7 +198,9 @@ std::vector<RequirementResult> requirement_results(const Analysis& a) {
   const std::vector<Filter> filters = designed_filters(a.spec);
   const std::vector<Norms> norms = filter_norms(a.spec);
   std::vector<RequirementResult> results;
-  const EncoderSpeeds speeds = any_counter(a.spec) ? encoder_speeds(a.spec) : EncoderSpeeds{};
+  const auto counts = [](const Requirement& r) { return r.counter >= 0; };
+  const EncoderSpeeds speeds =
+      std::ranges::any_of(a.spec.requirements, counts) ? encoder_speeds(a.spec) : EncoderSpeeds{};
   for (const Requirement& r : a.spec.requirements) {
     results.push_back(r.of_control     ? evaluate(r, control_value(r, a.spec, *a.control))
                       : r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))

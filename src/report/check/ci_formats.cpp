@@ -4,7 +4,8 @@
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/check/parts.hpp"
+#include "report/compare/parts.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
 
@@ -90,27 +91,7 @@ namespace {
 std::string xml(const std::string& raw) {
   const std::size_t line = raw.find('\n');
   if (line != std::string::npos) return xml(raw.substr(0, line)) + "&#10;" + xml(raw.substr(line + 1));
-  const std::string text = escaped(raw, std::string::npos);
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
+  return page::escaped_markup(escaped(raw, std::string::npos));
 }
 
 /// A test case; @param inside  its elements, "" without

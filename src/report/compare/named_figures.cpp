@@ -1,4 +1,3 @@
-
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -11,115 +10,80 @@
 #include "qerr/core/error.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/json_header.hpp"
-#include "report/json_value.hpp"
+#include "report/formats.hpp"
 
 namespace qerr {
+
+namespace {
+
+constexpr const char* written_anew = "write the report anew with --format json";
 
 /// A value in a JSON report, with its path for messages. Borrows the report and the name of its file.
 class ReportMember {
  public:
-  ReportMember(const Json& value, const std::string& file) : value_(&value), file_(&file) {}
+  ReportMember(const Json& value, const std::string& file, std::string path = "")
+      : value_(&value), file_(&file), path_(std::move(path)) {}
   ReportMember(Json&&, const std::string&) = delete;
 
-  /// @throws Error (input) if the member is missing, or this is no object
-  ReportMember at(std::string_view name) const;
   /// Empty if the member is missing.
-  std::optional<ReportMember> find(std::string_view name) const;
+  std::optional<ReportMember> find(std::string_view name) const {
+    const auto member = value_->find(std::string(name));
+    if (member == value_->end()) return {};
+    return ReportMember(*member, *file_, path_ + (path_.empty() ? "" : ".") + std::string(name));
+  }
+  /// @throws Error (input) if the member is missing, or this is no object
+  ReportMember at(std::string_view name) const {
+    if (const auto member = find(name)) return *member;
+    throw fault("missing member '" + std::string(name) + "'", "", written_anew);
+  }
   /// @throws Error (input) if this is no array
-  std::vector<ReportMember> items() const;
+  std::vector<ReportMember> items() const {
+    if (!value_->is_array()) throw unlike("a list");
+    std::vector<ReportMember> all;
+    for (const Json& item : *value_)
+      all.emplace_back(item, *file_, path_ + '[' + std::to_string(all.size()) + ']');
+    return all;
+  }
   /// Name and value of each member. @throws Error (input) if this is no object
-  std::vector<std::pair<std::string, ReportMember>> members() const;
+  std::vector<std::pair<std::string, ReportMember>> members() const {
+    if (!value_->is_object()) throw unlike("an object");
+    std::vector<std::pair<std::string, ReportMember>> all;
+    for (const auto& [name, value] : value_->items()) all.emplace_back(name, *find(name));
+    return all;
+  }
 
   bool is_null() const { return value_->is_null(); }
-  const std::string& text() const;
-  bool boolean() const;
-  double number() const;
-  double number_or(double of_null) const;  ///< the value that null stands for
+  const std::string& text() const {
+    if (!value_->is_string()) throw unlike("a text");
+    return value_->get_ref<const std::string&>();
+  }
+  bool boolean() const {
+    if (!value_->is_boolean()) throw unlike("true or false");
+    return value_->get<bool>();
+  }
+  double number() const {
+    if (!value_->is_number()) throw unlike("a number");
+    return value_->get<double>() + 0.0;  // -0 is 0
+  }
+  /// @param of_null  the value that null stands for
+  double number_or(double of_null) const { return is_null() ? of_null : number(); }
 
-  Error fault(const std::string& rule, const std::string& found, const std::string& remedy) const;
-  const Json& json() const { return *value_; }
+  Error fault(const std::string& rule, const std::string& found, const std::string& remedy) const {
+    return Error(Fault{{*file_}, path_, rule, found, remedy});
+  }
 
  private:
-  ReportMember inner(const Json& value, const std::string& step) const;
-  Error unlike(const std::string& wanted) const;
+  Error unlike(const std::string& wanted) const {
+    const std::string found = line(*value_);
+    return fault("must be " + wanted, found.size() > 40 ? found.substr(0, 40) + "..." : found, written_anew);
+  }
 
   const Json* value_;
   const std::string* file_;
   std::string path_;
 };
 
-namespace {
-
-constexpr const char* written_anew = "write the report anew with --format json";
-
-}  // namespace
-
-ReportMember ReportMember::inner(const Json& value, const std::string& step) const {
-  ReportMember member(value, *file_);
-  member.path_ = path_ + (path_.empty() || step.starts_with('[') ? "" : ".") + step;
-  return member;
-}
-
-Error ReportMember::fault(const std::string& rule, const std::string& found,
-                          const std::string& remedy) const {
-  return Error(Fault{{*file_}, path_, rule, found, remedy});
-}
-
-Error ReportMember::unlike(const std::string& wanted) const {
-  const std::string found = value_->line();
-  return fault("must be " + wanted, found.size() > 40 ? found.substr(0, 40) + "..." : found, written_anew);
-}
-
-std::optional<ReportMember> ReportMember::find(std::string_view name) const {
-  const Json* value = value_->find(name);
-  if (!value) return {};
-  return inner(*value, std::string(name));
-}
-
-ReportMember ReportMember::at(std::string_view name) const {
-  if (auto member = find(name)) return *member;
-  throw fault("missing member '" + std::string(name) + "'", "", written_anew);
-}
-
-std::vector<ReportMember> ReportMember::items() const {
-  if (!value_->items()) throw unlike("a list");
-  std::vector<ReportMember> members;
-  for (const Json& item : *value_->items())
-    members.push_back(inner(item, '[' + std::to_string(members.size()) + ']'));
-  return members;
-}
-
-std::vector<std::pair<std::string, ReportMember>> ReportMember::members() const {
-  if (!value_->is_object()) throw unlike("an object");
-  std::vector<std::pair<std::string, ReportMember>> list;
-  for (const JsonMember& member : value_->members())
-    list.emplace_back(member.name, inner(member.value, member.name));
-  return list;
-}
-
-const std::string& ReportMember::text() const {
-  if (!value_->text()) throw unlike("a text");
-  return *value_->text();
-}
-
-bool ReportMember::boolean() const {
-  const auto value = value_->boolean();
-  if (!value) throw unlike("true or false");
-  return *value;
-}
-
-double ReportMember::number() const {
-  const auto value = value_->number();
-  if (!value) throw unlike("a number");
-  return *value + 0.0;  // -0 is 0
-}
-
-double ReportMember::number_or(double of_null) const { return is_null() ? of_null : number(); }
-
 /// Reads reports as lists of named figures.
-
-namespace {
 
 /// What null stands for where a figure always exists.
 constexpr double unbounded = std::numeric_limits<double>::infinity();
@@ -310,8 +274,8 @@ void read_report(const Json& json, const std::string& command, NamedFigures& to)
 }
 
 NamedFigures figures_of(const Json& json, const std::string& file) {
-  const Json *version = json.find("qerr"), *command = json.find("command");
-  if (!version || !version->text() || !command || !command->text())
+  const auto is_text = [&](const char* name) { return json.contains(name) && json.at(name).is_string(); };
+  if (!is_text("qerr") || !is_text("command"))
     throw Error(Fault{{file, 1, 1},
                       "",
                       "this is no report of qerr, which begins with its version and command",
@@ -319,7 +283,7 @@ NamedFigures figures_of(const Json& json, const std::string& file) {
                       "write one with: qerr analyze SPEC -o FILE.json"});
   NamedFigures figures;
   figures.file = file;
-  figures.command = *command->text();
+  figures.command = json.at("command");
   read_report(json, figures.command, figures);
   return figures;
 }
@@ -327,15 +291,15 @@ NamedFigures figures_of(const Json& json, const std::string& file) {
 }  // namespace
 
 NamedFigures read_named_figures(const std::string& text, const std::string& file) {
-  return figures_of(Json::parse(text, file), file);
+  return figures_of(parse_json(text, file), file);
 }
 
 std::vector<NamedFigures> read_all_named_figures(const std::string& text, const std::string& file) {
-  const Json json = Json::parse(text, file);
-  const Json* reports = json.find("reports");
-  if (!reports || !reports->items()) return {figures_of(json, file)};
+  const Json json = parse_json(text, file);
+  const auto reports = json.find("reports");
+  if (reports == json.end() || !reports->is_array()) return {figures_of(json, file)};
   std::vector<NamedFigures> all;
-  for (const Json& report : *reports->items()) all.push_back(figures_of(report, file));
+  for (const Json& report : *reports) all.push_back(figures_of(report, file));
   return all;
 }
 

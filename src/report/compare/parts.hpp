@@ -23,27 +23,17 @@ BaselineCheck against(const Baseline&, const NamedFigures& now);
 /// `+12.3 %`, `unchanged`, `from zero`, `now unbounded`, `now bounded`.
 std::string change_text(const FigureChange&);
 
-/// The figures of both reports that are worth a reader's time: those that read differently, and without
-/// `details` only the maximum of a quantity in place of its other statistics.
-std::vector<FigureChange> notable_figures(const ReportComparison&);
-
-/// Figures that only A, or only B, has: their names, or their quantities.
-std::vector<std::string> names_in_one(const ReportComparison&, bool in_a, bool quantities);
-
-/// What has flipped, and how many figures grew and shrank.
-std::string comparison_sentence(const ReportComparison&);
-
-/// `1.2 mm <= 1.5 mm`; `no such requirement`.
-std::string judged_text(const std::optional<JudgedRequirement>&);
-
-/// `NOT MET any more`: which way a verdict flipped.
-std::string flip_text(const RequirementChange&);
-
-/// The requirement that is met in both and has the smallest margin in B; null: none.
-const RequirementChange* next_to_flip(const ReportComparison&);
-
 /// Whether a figure speaks for its quantity in a table: the maximum, and a figure of a filter.
 inline bool is_main(const NamedFigure& f) { return f.statistic.empty() || f.statistic == "max"; }
+
+/// `3 of 120 figures worse than in old.json by more than 2 %`, or `none of ...`.
+std::string verdict(const BaselineCheck&);
+
+/// `velocity.x.sigma max was 1.00 mm/s and is 1.20 mm/s (+20 %)`.
+std::string verdict(const FigureChange& regression);
+
+/// Quantities that a person is told of; the others are counted.
+inline constexpr std::size_t most_regressions = 10;
 
 /// Whether both limit the same figure from the same side.
 bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b);

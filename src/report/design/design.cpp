@@ -9,7 +9,6 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/design/design_solver.hpp"
-#include "report/design/filter_sets.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -187,18 +186,9 @@ class DesignJob {
   std::string written(const FoundDesign& found) const {
     std::string remark = "chosen by qerr design, minimize: " + report_.goal;
     for (const DesignedEncoder& e : report_.optimal->encoders) remark += "\n  " + e.joint + ": " + e.name;
-    return changed_spec(report_.spec, changes(found), problem_->effects(found.choice), escaped_lines(remark),
+    return changed_spec(report_.spec, changes(found), problem_->effects(found.choice),
+                        joined(lines_of(remark), "\n", [](const std::string& line) { return escaped(line); }),
                         options_.target);
-  }
-
-  static std::string escaped_lines(const std::string& text) {
-    std::string out;
-    for (std::size_t begin = 0; begin <= text.size();) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size());
-      out += (begin ? "\n" : "") + escaped(text.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    return out;
   }
 
   /// How slow errors of a design are judged where sigma behind a filter is required.

@@ -157,7 +157,7 @@ void DesignProblem::leave_out(std::size_t joint,
   const std::string all = counted(options.size() + options_[joint].size(), "option");
   (none ? obstacles_ : left_out_)
       .push_back(
-          "joint " + quoted(base_.model.chain.independent[joint].name) + ": " +
+          "joint " + qerr::quoted(base_.model.chain.independent[joint].name) + ": " +
           (none ? "none of " + all : std::to_string(options.size()) + " of " + all + " are left out, which") +
           (none ? " can count at the rate: " : " cannot count at the rate: ") + text);
 }

@@ -1,4 +1,4 @@
-#include "report/design/filter_sets.hpp"
+#include "report/design/design_solver.hpp"
 
 #include <algorithm>
 #include <cmath>

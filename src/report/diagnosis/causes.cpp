@@ -203,13 +203,10 @@ std::string loss_words(const DiagnosisReport& r, const Cause& c) {
 }
 
 std::vector<std::string> alternatives_to(const Diagnosis& d, const Cause* cause) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // advice, names
+  ItemGroups groups;  // names by advice
   for (const AlternativeCause& a : d.alternatives) {
     if (replaced(d, a) != cause) continue;
-    auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == a.record; });
-    if (group == groups.end()) group = groups.insert(group, {a.record, {}});
-    add_once(group->second, alternative_name(a, cause));
+    add_to_group(groups, a.record, alternative_name(a, cause));
   }
   std::vector<std::string> lines;
   for (const auto& [record, names] : groups)

@@ -12,8 +12,7 @@ namespace qerr {
 
 std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name) {
   const auto& joints = spec.model.chain.independent;
-  const auto found =
-      std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
+  const auto found = std::ranges::find(joints, name, &IndependentJoint::name);
   if (found == joints.end()) return std::nullopt;
   return static_cast<std::size_t>(found - joints.begin());
 }
@@ -54,8 +53,7 @@ DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOption
   Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, std::move(judged), options);
   std::vector<std::string> warnings = spec.warnings;
   warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
-  for (const std::string& text : diagnosis.warnings)
-    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+  for (const std::string& text : diagnosis.warnings) add_once(warnings, text);
   return {spec, std::move(log), std::move(diagnosis), "", std::move(warnings)};
 }
 

@@ -8,7 +8,7 @@
 #include "core/parallel.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "report/csv_text.hpp"
+#include "report/rows.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/fourier.hpp"
 

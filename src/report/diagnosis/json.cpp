@@ -1,9 +1,7 @@
 #include <cmath>
 
-#include "report/csv_text.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 
 namespace qerr {
 
@@ -226,12 +224,13 @@ std::string gain_lines(const Subject& subject, const Gain& g) {
                              .lower = g.held_out ? g.lower : NAN,
                              .upper = g.held_out ? g.upper : NAN,
                              .text = g.held_out ? "held out" : ""};
-  for (const auto& [name, value] : gain.members())
+  for (const auto& [name, value] : gain.items())
     if (name == "ratio")
       lines += line(subject, ratio);
-    else if (value.number() && name != "lower" && name != "upper")
-      lines += line(
-          subject, {.figure = name, .value = *value.number(), .unit = name.starts_with("rms") ? g.unit : ""});
+    else if (value.is_number() && name != "lower" && name != "upper")
+      lines +=
+          line(subject,
+               {.figure = name, .value = value.get<double>(), .unit = name.starts_with("rms") ? g.unit : ""});
   return lines;
 }
 

@@ -1,4 +1,4 @@
-#include "report/filter/code.hpp"
+#include "qerr/report/filter_report.hpp"
 
 #include <algorithm>
 #include <cmath>

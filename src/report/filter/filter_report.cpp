@@ -13,7 +13,7 @@
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/norms.hpp"
-#include "report/csv_text.hpp"
+#include "report/rows.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -14,7 +14,6 @@
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
-#include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/text_table.hpp"

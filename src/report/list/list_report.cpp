@@ -1,4 +1,3 @@
-
 #include <cmath>
 
 #include "core/text.hpp"
@@ -10,9 +9,7 @@
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 #include "simulate/estimators/estimator.hpp"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/text.hpp"
-#include "report/page/markup.hpp"
 
 namespace qerr::page {
 

@@ -26,6 +26,11 @@ struct Page {
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
   std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
   std::string report = {};                     ///< JSON of the command, for scripts that read the page
+
+  /// A further section, unless it is empty.
+  void add(const std::string& heading, const std::string& body) {
+    if (!body.empty()) sections.push_back({heading, body});
+  }
 };
 
 /// JSON within a page, which scripts read: no markup and no end of a section begins in it.
@@ -74,7 +79,7 @@ extern const std::string_view style_sheet;
 
 /// The script, without requests and without `]]>`. It shows the chosen figure; zooms plots and heat maps,
 /// tells their values at the pointer and by keys, and switches series; turns the robot of a scene
-/// (report/analysis/page/scene.hpp). Without it every picture is there, still.
+/// (report/analysis/robot_figures.cpp). Without it every picture is there, still.
 extern const std::string_view script;
 
 /// Text between the pictures of a page.

@@ -6,7 +6,6 @@
 
 #include "core/text.hpp"
 #include "report/page/frame.hpp"
-#include "report/page/markup.hpp"
 
 namespace qerr::page {
 

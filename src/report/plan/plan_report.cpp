@@ -10,11 +10,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
-#include "report/json_value.hpp"
-#include "report/rows.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -55,9 +51,8 @@ void add_rows(std::string& out, const char* motion, const std::vector<PlannedJoi
       for (const CorrelatedEffect& r : joint.effects[i].correlated)
         if (r.inseparable()) twins.push_back(family_of(r.effect));
       out += std::string(motion) + ',' + csv_cell(joint.joint) + ',' +
-             csv_cells((*json.find("effects")->items())[i],
-                       {"effect", "shaft", "order", "time_constant", "parameter", "seen", "named", "unit",
-                        "seen_counts", "named_counts"}) +
+             csv_cells(json.at("effects")[i], {"effect", "shaft", "order", "time_constant", "parameter",
+                                               "seen", "named", "unit", "seen_counts", "named_counts"}) +
              ',' + csv_cell(joined(twins, "; ")) + "\r\n";
     }
   }
@@ -187,7 +182,7 @@ std::string key_text(const std::string& name) {
   const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   }) && !(name[0] >= '0' && name[0] <= '9');
-  return plain ? name : Json(name).line();
+  return plain ? name : line(name);
 }
 
 }  // namespace

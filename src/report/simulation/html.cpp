@@ -22,137 +22,10 @@ namespace qerr {
 
 namespace {
 
-/// A limit of the magnitude: two lines, at either sign.
-page::Series both_signs(const std::string& name, double limit, double from, double to) {
-  if (!std::isfinite(limit)) return {name, {}};
-  return {name, {{from, limit}, {to, limit}, {NAN, NAN}, {from, -limit}, {to, -limit}}};
-}
-
-}  // namespace
-
-std::string prediction_figure(const SimulationReport& r) {
-  page::Bars sigma{
-      "Simulated sigma over IPQN along the path",
-      "Sigma of the simulated error as a part of the sigma of the theory, with its 95 % interval.",
-      {},
-      {""},
-      1};
-  for (const NamedSignal& named : signals_of(r)) {
-    const SimulatedSignal& s = named.signal;
-    if (s.sigma_ipqn_path > 0 && std::isfinite(s.sigma_ipqn_path) && !is_constant(s)) {
-      const double ratio = s.sigma_simulated / s.sigma_ipqn_path;
-      page::Bar bar{page::isolated_runs(label_of(named)), ratio, significant(ratio, 3)};
-      const double lower = s.sigma_lower / s.sigma_ipqn_path, upper = s.sigma_upper / s.sigma_ipqn_path;
-      if (std::isfinite(lower) && std::isfinite(upper)) bar.error = {std::max(lower, 0.0), upper};
-      sigma.bars.push_back(bar);
-    }
-  }
-  return sigma.bars.empty() ? "" : figure(sigma);
-}
-
-std::string path_figures(const SimulationReport& r) {
-  const Motion& motion = *r.spec.motion;
-  const MotionPath path(motion);
-  constexpr int points = 150;
-  std::vector<Eigen::Vector3d> tips;
-  for (int i = 0; i <= points; ++i)
-    tips.push_back(
-        forward_kinematics(r.spec.model.chain, path.position(motion.duration * i / points)).translation());
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& tip : tips) box.extend(tip);
-  if (!(box.diagonal().norm() > 0)) return "";
-  constexpr std::array<const char*, 3> axes{"x", "y", "z"};
-  std::string views;
-  for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
-    if (!(box.sizes()[a] > 0 || box.sizes()[b] > 0)) continue;
-    page::Series line{"path", {}};
-    for (const Eigen::Vector3d& tip : tips) line.points.emplace_back(tip[a], tip[b]);
-    const std::string x = axes[static_cast<std::size_t>(a)], y = axes[static_cast<std::size_t>(b)];
-    page::Series begin{"begin", {line.points.front()}, true, false},
-        end{"end", {line.points.back()}, true, false};
-    page::Plot plot{"Path of the tip, view " + x + y,
-                    "Where the tip is along the motion, in the base frame.",
-                    {x, "m", false, false},
-                    {y, "m", false, false},
-                    {std::move(line), std::move(begin), std::move(end)}};
-    plot.equal_scales = true;
-    views += figure(plot);
-  }
-  return page::side_by_side(views);
-}
-
-std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const std::vector<double>& error,
-                         std::size_t intervals) {
-  if (error.empty()) return "";
-  const double first = trace.first_time,
-               last = first + static_cast<double>(error.size() - 1) / trace.sample_rate;
-  page::Envelope line(first, last, intervals);
-  for (std::size_t k = 0; k < error.size(); ++k)
-    line.add(first + static_cast<double>(k) / trace.sample_rate, error[k]);
-  page::Plot plot{page::isolated_runs("Error of " + label_of(s) + " in time"),
-                  "Smallest and largest error in each interval of the first run, inside the worst case and "
-                  "sigma along the path.",
-                  page::time_axis(last),
-                  {"error", s.shown_unit},
-                  {{"error", line.points()}}};
-  for (const page::Series& limit :
-       {both_signs("worst case along the path", s.signal.worst_case_path, first, last),
-        both_signs("sigma, IPQN along the path", s.signal.sigma_ipqn_path, first, last)})
-    if (!limit.points.empty()) plot.series.push_back(limit);
-  return figure(plot);
-}
-
-std::string cutoff_figures(const SimulationReport& r) {
-  if (!r.cutoffs) return "";
-  const std::vector<CutoffChoice> choices = cutoff_choices(r);
-  const std::string unit = cutoff_unit(r);
-  page::Series noise{"encoder error", {}}, tracking{"tracking error", {}}, total{"total", {}, true};
-  TableRows rows;
-  for (const CutoffChoice& c : choices) {
-    noise.points.emplace_back(c.cutoff, c.noise);
-    tracking.points.emplace_back(c.cutoff, c.tracking);
-    total.points.emplace_back(c.cutoff, c.total);
-    rows.push_back({readable(c.cutoff, "Hz"), readable(c.noise, unit), readable(c.tracking, unit),
-                    readable(c.total, unit)});
-  }
-  const CutoffChoice& best = choices[best_of(choices)];
-  const page::Plot plot{
-      "Error over the cut-off",
-      "Root mean square errors along the motion: by the encoders, by the filter, and of both.",
-      {"cut-off", "Hz", true},
-      {"error, rms", unit, true},
-      {noise, tracking, total},
-      {{"least total", best.cutoff}}};
-  return page::side_by_side(figure(plot)) +
-         page::table({"cut-off", "encoder error", "tracking error", "total"}, rows);
-}
-
-namespace {
-
 /// A quarter of the values, so that seven sections or more are averaged.
 std::size_t section_length(std::size_t values) {
   constexpr std::size_t longest = 4096;
   return std::min(longest, std::bit_floor(values / 4));
-}
-
-/// Root of the mean square in each of equal intervals of the frequency's logarithm, at its mean frequency.
-std::vector<std::pair<double, double>> in_intervals(const std::vector<std::pair<double, double>>& density,
-                                                    std::size_t intervals) {
-  std::vector<std::pair<double, double>> all;
-  if (density.size() < 2) return density;
-  const double first = std::log(density.front().first),
-               width = (std::log(density.back().first) - first) / static_cast<double>(intervals);
-  for (std::size_t i = 0; i < density.size();) {
-    const double end = first + width * (std::floor((std::log(density[i].first) - first) / width + 1e-9) + 1);
-    double frequency = 0, square = 0, count = 0;
-    for (; i < density.size() && (count == 0 || std::log(density[i].first) < end - 1e-9 * width); ++i) {
-      frequency += density[i].first;
-      square += density[i].second * density[i].second;
-      ++count;
-    }
-    all.emplace_back(frequency / count, std::sqrt(square / count));
-  }
-  return all;
 }
 
 }  // namespace
@@ -185,6 +58,139 @@ std::vector<std::pair<double, double>> amplitude_density(const std::vector<doubl
   return density;
 }
 
+namespace {
+
+/// A limit of the magnitude: two lines, at either sign.
+page::Series both_signs(const std::string& name, double limit, double from, double to) {
+  if (!std::isfinite(limit)) return {name, {}};
+  return {name, {{from, limit}, {to, limit}, {NAN, NAN}, {from, -limit}, {to, -limit}}};
+}
+
+/// Simulated sigmas as parts of the predicted ones.
+std::string prediction_figure(const SimulationReport& r) {
+  page::Bars sigma{
+      "Simulated sigma over IPQN along the path",
+      "Sigma of the simulated error as a part of the sigma of the theory, with its 95 % interval.",
+      {},
+      {""},
+      1};
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (s.sigma_ipqn_path > 0 && std::isfinite(s.sigma_ipqn_path) && !is_constant(s)) {
+      const double ratio = s.sigma_simulated / s.sigma_ipqn_path;
+      page::Bar bar{page::isolated_runs(label_of(named)), ratio, significant(ratio, 3)};
+      const double lower = s.sigma_lower / s.sigma_ipqn_path, upper = s.sigma_upper / s.sigma_ipqn_path;
+      if (std::isfinite(lower) && std::isfinite(upper)) bar.error = {std::max(lower, 0.0), upper};
+      sigma.bars.push_back(bar);
+    }
+  }
+  return sigma.bars.empty() ? "" : figure(sigma);
+}
+
+/// The path of the tip in three views, its ends marked; of a robot whose tip moves by translation.
+std::string path_figures(const SimulationReport& r) {
+  const Motion& motion = *r.spec.motion;
+  const MotionPath path(motion);
+  constexpr int points = 150;
+  std::vector<Eigen::Vector3d> tips;
+  for (int i = 0; i <= points; ++i)
+    tips.push_back(
+        forward_kinematics(r.spec.model.chain, path.position(motion.duration * i / points)).translation());
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& tip : tips) box.extend(tip);
+  if (!(box.diagonal().norm() > 0)) return "";
+  constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+  std::string views;
+  for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
+    if (!(box.sizes()[a] > 0 || box.sizes()[b] > 0)) continue;
+    page::Series line{"path", {}};
+    for (const Eigen::Vector3d& tip : tips) line.points.emplace_back(tip[a], tip[b]);
+    const std::string x = axes[static_cast<std::size_t>(a)], y = axes[static_cast<std::size_t>(b)];
+    page::Series begin{"begin", {line.points.front()}, true, false},
+        end{"end", {line.points.back()}, true, false};
+    page::Plot plot{"Path of the tip, view " + x + y,
+                    "Where the tip is along the motion, in the base frame.",
+                    {x, "m", false, false},
+                    {y, "m", false, false},
+                    {std::move(line), std::move(begin), std::move(end)}};
+    plot.equal_scales = true;
+    views += figure(plot);
+  }
+  return page::side_by_side(views);
+}
+
+/// The error of a signal in time inside its bounds.
+/// @param trace      of the signal's filter
+/// @param intervals  of the line
+std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const std::vector<double>& error,
+                         std::size_t intervals) {
+  if (error.empty()) return "";
+  const double first = trace.first_time,
+               last = first + static_cast<double>(error.size() - 1) / trace.sample_rate;
+  page::Envelope line(first, last, intervals);
+  for (std::size_t k = 0; k < error.size(); ++k)
+    line.add(first + static_cast<double>(k) / trace.sample_rate, error[k]);
+  page::Plot plot{page::isolated_runs("Error of " + label_of(s) + " in time"),
+                  "Smallest and largest error in each interval of the first run, inside the worst case and "
+                  "sigma along the path.",
+                  page::time_axis(last),
+                  {"error", s.shown_unit},
+                  {{"error", line.points()}}};
+  for (const page::Series& limit :
+       {both_signs("worst case along the path", s.signal.worst_case_path, first, last),
+        both_signs("sigma, IPQN along the path", s.signal.sigma_ipqn_path, first, last)})
+    if (!limit.points.empty()) plot.series.push_back(limit);
+  return figure(plot);
+}
+
+/// Errors over the cut-off. @pre the report has `cutoffs`
+std::string cutoff_figures(const SimulationReport& r) {
+  const std::vector<CutoffChoice> choices = cutoff_choices(r);
+  const std::string unit = cutoff_unit(r);
+  page::Series noise{"encoder error", {}}, tracking{"tracking error", {}}, total{"total", {}, true};
+  TableRows rows;
+  for (const CutoffChoice& c : choices) {
+    noise.points.emplace_back(c.cutoff, c.noise);
+    tracking.points.emplace_back(c.cutoff, c.tracking);
+    total.points.emplace_back(c.cutoff, c.total);
+    rows.push_back({readable(c.cutoff, "Hz"), readable(c.noise, unit), readable(c.tracking, unit),
+                    readable(c.total, unit)});
+  }
+  const CutoffChoice& best = choices[best_of(choices)];
+  const page::Plot plot{
+      "Error over the cut-off",
+      "Root mean square errors along the motion: by the encoders, by the filter, and of both.",
+      {"cut-off", "Hz", true},
+      {"error, rms", unit, true},
+      {noise, tracking, total},
+      {{"least total", best.cutoff}}};
+  return page::side_by_side(figure(plot)) +
+         page::table({"cut-off", "encoder error", "tracking error", "total"}, rows);
+}
+
+/// Root of the mean square in each of equal intervals of the frequency's logarithm, at its mean frequency.
+std::vector<std::pair<double, double>> in_intervals(const std::vector<std::pair<double, double>>& density,
+                                                    std::size_t intervals) {
+  std::vector<std::pair<double, double>> all;
+  if (density.size() < 2) return density;
+  const double first = std::log(density.front().first),
+               width = (std::log(density.back().first) - first) / static_cast<double>(intervals);
+  for (std::size_t i = 0; i < density.size();) {
+    const double end = first + width * (std::floor((std::log(density[i].first) - first) / width + 1e-9) + 1);
+    double frequency = 0, square = 0, count = 0;
+    for (; i < density.size() && (count == 0 || std::log(density[i].first) < end - 1e-9 * width); ++i) {
+      frequency += density[i].first;
+      square += density[i].second * density[i].second;
+      ++count;
+    }
+    all.emplace_back(frequency / count, std::sqrt(square / count));
+  }
+  return all;
+}
+
+/// Spectral density of the error beside that of white errors of the theory's sigma behind the filter.
+/// @param position  the same coordinate without a filter
+/// @param filter    null: none
 std::string spectrum_figure(const NamedSignal& s, const SimulatedSignal& position, const Filter* filter,
                             const ErrorTrace& trace, const std::vector<double>& error,
                             std::size_t intervals) {
@@ -210,8 +216,6 @@ std::string spectrum_figure(const NamedSignal& s, const SimulatedSignal& positio
   if (!white.points.empty()) plot.series.push_back(white);
   return figure(plot);
 }
-
-namespace {
 
 /// Smallest and largest of some values as text: `0.93 to 1.08`; "" without any.
 class RatioRange {
@@ -361,15 +365,12 @@ page::Page page_of(const SimulationReport& r) {
                   {},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));
-  const auto add = [&](const std::string& heading, const std::string& body) {
-    if (!body.empty()) page.sections.push_back({heading, body});
-  };
-  add("The simulation",
-      page::paragraph(counted(r.simulation.runs, "run") + " of " + counted(r.simulation.samples, "sample") +
-                      ", the first " + std::to_string(r.simulation.settling) + " discarded.") +
-          page::list(simulated_effects(r.spec)));
+  page.add("The simulation", page::paragraph(counted(r.simulation.runs, "run") + " of " +
+                                             counted(r.simulation.samples, "sample") + ", the first " +
+                                             std::to_string(r.simulation.settling) + " discarded.") +
+                                 page::list(simulated_effects(r.spec)));
   if (r.cutoffs) {
-    add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
+    page.add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
     return page;
   }
   if (!r.estimators.empty()) {
@@ -377,17 +378,17 @@ page::Page page_of(const SimulationReport& r) {
                   " has the least error of joint " +
                   page::isolated(r.spec.model.chain.independent[r.estimators.front().joint].name) + ", " +
                   readable(r.estimators.front().rms, speed_unit(r, r.estimators.front())) + " rms.";
-    add("Velocity estimators", estimator_figures(r));
+    page.add("Velocity estimators", estimator_figures(r));
     return page;
   }
   if (r.spec.model.tips) return page;
-  add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
-                                                  page::table(factor_cells(r), "sigma of") + "</div>") +
-                                   deviation_list(r));
-  add("Path of the tip", path_figures(r));
+  page.add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
+                                                       page::table(factor_cells(r), "sigma of") + "</div>") +
+                                        deviation_list(r));
+  page.add("Path of the tip", path_figures(r));
   const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
-  add("All figures", figure_tables(r));
-  add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
+  page.add("All figures", figure_tables(r));
+  page.add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
   if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())
     page.sections.insert(page.sections.begin() + signals,
                          {"Errors in time, and their spectrum", std::move(figures)});

@@ -31,9 +31,6 @@ std::string label_of(const NamedSignal&);
 /// The sigma of a constant error is rounding of the computation: below 1e-6 of the IPQN sigma it counts as 0.
 bool is_constant(const SimulatedSignal&);
 
-/// Roll or yaw in a motion through the gimbal lock.
-bool is_unbounded(const SimulatedSignal&);
-
 /// Why IPQN at the centre of the motion misses the sigma of some signals, and of which.
 struct IpqnDeviation {
   std::string why, signals;
@@ -72,41 +69,11 @@ std::size_t best_of(const std::vector<CutoffChoice>&);
 /// Unit of the errors.
 std::string cutoff_unit(const SimulationReport&);
 
-std::string cutoff_table(const SimulationReport&, const Style&);
-
-/// The ranking of `simulate --estimators`: a row for each estimate, of each joint the best first.
-std::string estimator_table(const SimulationReport&, const Style&);
-
 /// Error against speed of each joint's estimates, and the ranking.
 std::string estimator_figures(const SimulationReport&);
 
-std::string estimator_csv(const SimulationReport&);
-
 /// `rad/s` or `m/s`.
 std::string speed_unit(const SimulationReport&, const EstimatedVelocity&);
-
-/// The parts of the page of a simulation, as markup; each "" if there is nothing to show.
-
-/// Simulated sigmas as parts of the predicted ones.
-std::string prediction_figure(const SimulationReport&);
-
-/// The error of a signal in time inside its bounds.
-/// @param trace      of the signal's filter
-/// @param intervals  of the line
-std::string error_figure(const NamedSignal&, const ErrorTrace& trace, const std::vector<double>& error,
-                         std::size_t intervals);
-
-/// Spectral density of the error beside that of white errors of the theory's sigma behind the filter.
-/// @param position  the same coordinate without a filter
-/// @param filter    null: none
-std::string spectrum_figure(const NamedSignal&, const SimulatedSignal& position, const Filter* filter,
-                            const ErrorTrace& trace, const std::vector<double>& error, std::size_t intervals);
-
-/// The path of the tip in three views, its ends marked; of a robot whose tip moves by translation.
-std::string path_figures(const SimulationReport&);
-
-/// Errors over the cut-off, with --cutoffs.
-std::string cutoff_figures(const SimulationReport&);
 
 /// Amplitude spectral density over frequency: Welch's mean of the periodograms of half-overlapping sections
 /// with Hann's window, one-sided: the mean square of the values about their mean is the integral of its

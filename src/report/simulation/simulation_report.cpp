@@ -15,7 +15,7 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/csv_text.hpp"
+#include "report/rows.hpp"
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/sensing.hpp"
@@ -111,15 +111,11 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
 
 namespace {
 
-void append_number(std::string& text, double value) {
+template <class Number>
+void append_number(std::string& text, Number value) {
   std::array<char, 32> buffer;
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? 0.0 : value);
-  text.append(buffer.data(), end.ptr);
-}
-
-void append_count(std::string& text, double count) {
-  std::array<char, 32> buffer;
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<long long>(count));
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? Number(0) : value);
   text.append(buffer.data(), end.ptr);
 }
 
@@ -164,7 +160,7 @@ std::string_view LogWriter::row(const Reading& r) {
     if (rounded_[i])
       append_number(text_, r.logged[row]);
     else
-      append_count(text_, r.counts[row]);
+      append_number(text_, static_cast<long long>(r.counts[row]));
     text_ += ',';
     append_number(text_, r.reference[row]);
     if (!efforts_) continue;

@@ -97,4 +97,14 @@ Spec SweepGrid::spec(const SpecVariants& variants, const std::vector<std::size_t
   return variants.variant(values, effects);
 }
 
+std::optional<Spec> SweepGrid::readable(const SpecVariants& variants,
+                                        const std::vector<std::size_t>& steps) const {
+  try {
+    return spec(variants, steps);
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
+    return std::nullopt;
+  }
+}
+
 }  // namespace qerr

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,8 @@ class SweepGrid {
   std::vector<std::size_t> steps(std::uint64_t variant) const;
   /// The spec with the chosen steps of the axes. @param steps  as of `steps`
   Spec spec(const SpecVariants&, const std::vector<std::size_t>& steps) const;
+  /// Likewise; empty if it has a fault.
+  std::optional<Spec> readable(const SpecVariants&, const std::vector<std::size_t>& steps) const;
 
  private:
   /// A step as changes of the tree.

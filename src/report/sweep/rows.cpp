@@ -9,9 +9,7 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/text_table.hpp"
 
@@ -309,12 +307,12 @@ RowsOf<SweepHead> rows(Of<SweepHead>) {
 }
 
 std::string SweepJson::variant(const SweptVariant& v, const SweepGrid& grid, const Statistics& statistics) {
-  return json_of(ReportedVariant{v, grid, statistics}).line();
+  return line(json_of(ReportedVariant{v, grid, statistics}));
 }
 
 SweepJson sweep_json(const SpecVariants& variants, const SweepGrid& grid) {
-  const std::string document = json_of(SweepHead{variants.base(), grid}).document();
-  return {document.substr(0, document.rfind(']')) + "\n    ", ",\n    ", "\n  ]\n}\n"};
+  const std::string whole = document(json_of(SweepHead{variants.base(), grid}));
+  return {whole.substr(0, whole.rfind(']')) + "\n    ", ",\n    ", "\n  ]\n}\n"};
 }
 
 Json sweep_schema() { return schema_of<SweepHead>(); }

@@ -39,46 +39,6 @@ bool failed(SweptVariant& v, Evaluate evaluate) {
   }
 }
 
-}  // namespace
-
-SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,
-                              bool judged, const WorkspaceOptions& options,
-                              const std::function<bool(const Analysis&)>& without_workspace) {
-  SweptVariant v{variant, {}, {}};
-  const bool no_figures = failed(v, [&] {
-    const Spec spec = grid.spec(variants, grid.steps(variant));
-    EffectReport effects = effect_report(spec);
-    v.check.emplace(
-        SpecCheck{unbounded_analysis(spec, std::move(effects), noise_in_motion(spec, options.threads)), {}});
-    Analysis& a = v.check->analysis;
-    if (without_workspace(a)) return;
-    WorkspaceOptions all = options;
-    all.noise_in_motion = a.noise_in_motion;
-    a.workspace = workspace_with_quantization(a.spec.model, filter_norms(a.spec), a.spec.configurations, all);
-  });
-  if (no_figures) v.check.reset();
-  if (v.check && v.check->analysis.workspace.count > 0) judge(v, judged);
-  return v;
-}
-
-void judge(SweptVariant& v, bool judged) {
-  if (!judged) return;
-  const bool undecided = failed(v, [&] {
-    Analysis& a = v.check->analysis;
-    require_known(a.spec, a.effects);
-    add_proofs(a, {}, 1);  // variants are evaluated on all threads
-    v.check->results = requirement_results(a);
-  });
-  if (undecided) v.check->results.clear();
-}
-
-SweptVariant evaluate_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,
-                              bool judged, const WorkspaceOptions& options) {
-  return prepared_variant(variants, grid, variant, judged, options, [](const Analysis&) { return false; });
-}
-
-namespace {
-
 /// Building columns takes the time of about 30 variants.
 constexpr std::uint64_t fewest_sharing = 64;
 /// Bytes of the columns of one robot, in double and float.
@@ -128,20 +88,11 @@ ColumnSweep::ColumnSweep(const SpecVariants& variants, const SweepGrid& grid, bo
   if (shared_ < fewest_sharing) shared_ = 1;
 }
 
-std::optional<Spec> ColumnSweep::readable(const std::vector<std::size_t>& steps) const {
-  try {
-    return grid_.spec(variants_, steps);
-  } catch (const Error& e) {
-    if (e.trouble() != Trouble::input) throw;
-    return std::nullopt;
-  }
-}
-
 /// The sources of a variant and of those that differ from it in one axis of effects.
 std::vector<IndependentError> ColumnSweep::sources(std::vector<std::size_t> steps) const {
   std::vector<IndependentError> all;
   const auto add = [&] {
-    const auto spec = readable(steps);
+    const auto spec = grid_.readable(variants_, steps);
     if (!spec) return;
     append(all, effect_report(*spec).sources);
   };
@@ -161,7 +112,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
   result->group = group;
   for (std::uint64_t i = 0; i < std::min(shared_, most_tried); ++i) {
     const std::vector<std::size_t> steps = grid_.steps(group * shared_ + i);
-    const auto spec = readable(steps);
+    const auto spec = grid_.readable(variants_, steps);
     if (!spec) continue;
     const std::vector<IndependentError> places = sources(steps);
     const double numbers = static_cast<double>(size(spec->configurations)) *
@@ -183,6 +134,43 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::shared(std::uint64_t gro
     last_ = computed(group);
   }
   return last_;
+}
+
+/// Reads a variant and evaluates it, as `analyze` and `check` do; where the shared columns serve it, without
+/// the bounds over the configurations, and without the requirements.
+SweptVariant ColumnSweep::evaluated(std::uint64_t variant, const WorkspaceOptions& options,
+                                    const Shared* shared) const {
+  SweptVariant v{variant, {}, {}};
+  const bool no_figures = failed(v, [&] {
+    const Spec spec = grid_.spec(variants_, grid_.steps(variant));
+    EffectReport effects = effect_report(spec);
+    v.check.emplace(
+        SpecCheck{unbounded_analysis(spec, std::move(effects), noise_in_motion(spec, options.threads)), {}});
+    Analysis& a = v.check->analysis;
+    const OperationalModel& model = a.spec.model;
+    if (shared && shared->columns && have_columns(model, a.spec.configurations, wanted_) &&
+        std::all_of(model.sources.begin(), model.sources.end(),
+                    [&](const IndependentError& s) { return shared->columns->has_column(s); }))
+      return;
+    WorkspaceOptions all = options;
+    all.noise_in_motion = a.noise_in_motion;
+    a.workspace = workspace_with_quantization(model, filter_norms(a.spec), a.spec.configurations, all);
+  });
+  if (no_figures) v.check.reset();
+  if (v.check && v.check->analysis.workspace.count > 0) judge(v);
+  return v;
+}
+
+/// Evaluates the requirements of a variant whose bounds are computed.
+void ColumnSweep::judge(SweptVariant& v) const {
+  if (!judged_) return;
+  const bool undecided = failed(v, [&] {
+    Analysis& a = v.check->analysis;
+    require_known(a.spec, a.effects);
+    add_proofs(a, {}, 1);  // variants are evaluated on all threads
+    v.check->results = requirement_results(a);
+  });
+  if (undecided) v.check->results.clear();
 }
 
 namespace {
@@ -213,8 +201,7 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
   WorkspaceOptions options;
   options.threads = inner_threads;
   if (shared_ == 1) {
-    for (std::size_t i = 0; i < variants.size(); ++i)
-      results[i] = evaluate_variant(variants_, grid_, variants[i], judged_, options);
+    for (std::size_t i = 0; i < variants.size(); ++i) results[i] = evaluated(variants[i], options, nullptr);
     return results;
   }
   for (std::size_t begin = 0, end; begin < variants.size(); begin = end) {
@@ -223,19 +210,14 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
     const auto columns = shared(group);
     Waiting waiting;
     for (std::size_t i = begin; i < end; ++i) {
-      const auto with_columns = [&](const Analysis& a) {
-        if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations, wanted_)) return false;
-        return std::all_of(a.spec.model.sources.begin(), a.spec.model.sources.end(),
-                           [&](const IndependentError& s) { return columns->columns->has_column(s); });
-      };
-      results[i] = prepared_variant(variants_, grid_, variants[i], judged_, options, with_columns);
+      results[i] = evaluated(variants[i], options, columns.get());
       if (!results[i].check || results[i].check->analysis.workspace.count > 0) continue;
       waiting.norms.push_back(filter_norms(results[i].check->analysis.spec));
       waiting.variants.push_back(&results[i]);
     }
     if (waiting.variants.empty()) continue;
     waiting.evaluate(*columns->columns, *columns->statistics);
-    for (SweptVariant* v : waiting.variants) judge(*v, judged_);
+    for (SweptVariant* v : waiting.variants) judge(*v);
   }
   return results;
 }
@@ -293,18 +275,16 @@ bool count_verdict(SweepCounts& counts, char verdict) {
   return std::string_view("enuy").find(verdict) != std::string_view::npos;
 }
 
-SweepRun::SweepRun(SweepJob job)
-    : job_(std::move(job)), engine_(job_.variants, job_.grid, job_.judged, job_.statistics, job_.threads) {}
-
-SweepOutcome SweepRun::run(const SweepCounts& before,
-                           const std::function<void(const std::string&, const SweepCounts&)>& write,
-                           const std::function<void(std::uint64_t, std::uint64_t)>& progress) const {
-  const std::uint64_t begin = before.variants, total = job_.size(), count = total > begin ? total - begin : 0;
-  const std::uint64_t threads = thread_count(job_.threads);
+SweepOutcome run_sweep(const SweepJob& job, const SweepCounts& before,
+                       const std::function<void(const std::string&, const SweepCounts&)>& write,
+                       const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+  const ColumnSweep engine(job.variants, job.grid, job.judged, job.statistics, job.threads);
+  const std::uint64_t begin = before.variants, total = job.size(), count = total > begin ? total - begin : 0;
+  const std::uint64_t threads = thread_count(job.threads);
   // The variants of a batch are spread over all threads where they are few.
-  const std::uint64_t batch = std::clamp<std::uint64_t>(count / threads, 1, engine_.batch());
+  const std::uint64_t batch = std::clamp<std::uint64_t>(count / threads, 1, engine.batch());
   const std::uint64_t batches = (count + batch - 1) / batch;
-  Failures failures(job_.grid);
+  Failures failures(job.grid);
   SweepOutcome outcome{before, {}};
   const auto inner_threads = static_cast<unsigned>(threads / std::clamp<std::uint64_t>(batches, 1, threads));
   texts_in_order(
@@ -312,12 +292,12 @@ SweepOutcome SweepRun::run(const SweepCounts& before,
       [&](std::uint64_t i) {
         std::vector<std::uint64_t> variants;
         for (std::uint64_t v = i * batch; v < std::min(count, (i + 1) * batch); ++v)
-          variants.push_back(job_.shard.variant(begin + v));
+          variants.push_back(job.shard.variant(begin + v));
         std::string verdicts, text;
-        for (const SweptVariant& v : engine_.evaluate(variants, inner_threads)) {
+        for (const SweptVariant& v : engine.evaluate(variants, inner_threads)) {
           if (!v.fault.empty()) failures.add(v);
-          verdicts += verdict_of(v, job_.judged);
-          text += job_.text(v);
+          verdicts += verdict_of(v, job.judged);
+          text += job.text(v);
         }
         return verdicts + end_of_verdicts + text;
       },

@@ -25,21 +25,6 @@ struct SweptVariant {
   std::string fault;  ///< "" if there is none
 };
 
-/// Reads a variant and evaluates it, as `analyze` and `check` do.
-/// @param judged  evaluate its requirements; else only its figures
-/// @throws Error (file_system)
-SweptVariant evaluate_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
-                              const WorkspaceOptions&);
-
-/// A variant as of `evaluate_variant`; where `without_workspace` says so, the bounds over the configurations
-/// are left out, and the requirements with them.
-SweptVariant prepared_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
-                              const WorkspaceOptions&,
-                              const std::function<bool(const Analysis&)>& without_workspace);
-
-/// Evaluates the requirements of a variant whose bounds are computed.
-void judge(SweptVariant&, bool judged);
-
 /// Evaluates variants of a sweep many at a time. Where only encoders, gears, filters, effects, motions and
 /// requirements vary, they share the columns of the Jacobian: a variant costs a matrix product in place of
 /// the kinematics at all configurations, about a tenth of an `analyze`.
@@ -71,8 +56,9 @@ class ColumnSweep {
 
   std::shared_ptr<const Shared> shared(std::uint64_t group) const;
   std::shared_ptr<const Shared> computed(std::uint64_t group) const;
-  std::optional<Spec> readable(const std::vector<std::size_t>& steps) const;
   std::vector<IndependentError> sources(std::vector<std::size_t> steps) const;
+  SweptVariant evaluated(std::uint64_t variant, const WorkspaceOptions&, const Shared*) const;
+  void judge(SweptVariant&) const;
 
   const SpecVariants& variants_;
   const SweepGrid& grid_;
@@ -119,25 +105,13 @@ char verdict_of(const SweptVariant&, bool judged);
 /// Counts a variant by that letter. @returns false for another letter
 bool count_verdict(SweepCounts&, char verdict);
 
-/// Evaluates the variants of a job.
-class SweepRun {
- public:
-  explicit SweepRun(SweepJob);
-
-  const SweepJob& job() const { return job_; }
-
-  /// Passes on the texts of the variants in order, each as soon as those before it have been. Memory does not
-  /// grow with the number of variants.
-  /// @param before    the variants of the job that are not computed: the first ones
-  /// @param write     called with the texts of some variants, and the counts up to them
-  /// @param progress  called with the number of variants of the job that are done; may be empty
-  SweepOutcome run(const SweepCounts& before,
-                   const std::function<void(const std::string&, const SweepCounts&)>& write,
-                   const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {}) const;
-
- private:
-  SweepJob job_;
-  ColumnSweep engine_;
-};
+/// Evaluates the variants of a job, and passes on their texts in order, each as soon as those before it have
+/// been. Memory does not grow with the number of variants.
+/// @param before    the variants of the job that are not computed: the first ones
+/// @param write     called with the texts of some variants, and the counts up to them
+/// @param progress  called with the number of variants of the job that are done; may be empty
+SweepOutcome run_sweep(const SweepJob&, const SweepCounts& before,
+                       const std::function<void(const std::string&, const SweepCounts&)>& write,
+                       const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {});
 
 }  // namespace qerr

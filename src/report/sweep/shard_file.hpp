@@ -8,8 +8,8 @@
 
 #include "core/output_file.hpp"
 #include "core/sha256.hpp"
-#include "report/sweep/run_record.hpp"
 #include "report/sweep/run_sweep.hpp"
+#include "report/sweep/shards.hpp"
 
 namespace qerr {
 
@@ -18,10 +18,10 @@ namespace qerr {
 /// The last line has no line break until the file is complete: whatever ends the process, a file that ends
 /// with a line break is whole, and one that does not is not. From time to time the file is synchronized.
 ///
-/// What keeps rows of two sweeps apart is the record of the run (run_record.hpp). A shard, which is a file
-/// for `qerr merge`, has it in its last column (csv_lines.hpp). The table of a whole sweep is for its reader:
-/// its record, with a checksum of the bytes so far, is a note of the file (growing_file.hpp). Where that is
-/// lost, `resume` compares the file with the variants as they are computed anew.
+/// What keeps rows of two sweeps apart is the record of the run (shards.hpp). A shard, which is a file
+/// for `qerr merge`, has it in its last column (shards.hpp). The table of a whole sweep is for its reader:
+/// its record, with a checksum of the bytes so far, is a note of the file (core/output_file.hpp). Where that
+/// is lost, `resume` compares the file with the variants as they are computed anew.
 class ShardFile {
  public:
   /// @param header  without a line break

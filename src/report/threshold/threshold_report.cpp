@@ -4,9 +4,7 @@
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/csv_text.hpp"
 #include "report/formats.hpp"
-#include "report/json_header.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

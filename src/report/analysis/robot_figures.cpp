@@ -6,8 +6,8 @@
 
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "report/analysis/page/pictures.hpp"
-#include "report/json_value.hpp"
+#include "report/analysis/robot_figures.hpp"
+#include "report/rows.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
@@ -206,7 +206,7 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
                   {"encoders", names}, {"poses", all},
                   {"factor", factor},  {"colours", colours},
                   {"of", sample.of},   {"rows", rows}};
-  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(data.line()) + "</div>\n";
+  return "<div class=\"scene\" hidden=\"hidden\">" + page::json_script(line(data)) + "</div>\n";
 }
 
 }  // namespace
