@@ -79,10 +79,10 @@ SweptVariant evaluate_variant(const SpecVariants& variants, const SweepGrid& gri
 
 namespace {
 
-/// Building columns takes the time of about 30 variants.
-constexpr std::uint64_t fewest_sharing = 64;
-/// Bytes of the columns of one robot, in double and float.
-constexpr double most_memory = 4e8, memory_of_number = 24;
+/// Building columns takes the time of about 2 variants, or 20 where frames are needed (ErrorColumns).
+constexpr std::uint64_t fewest_sharing = 8;
+/// Bytes of the columns of one robot.
+constexpr double most_memory = 4e8;
 /// Variants that are tried to find one that can be read.
 constexpr std::uint64_t most_tried = 100;
 
@@ -167,8 +167,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
     const double numbers = static_cast<double>(size(spec->configurations)) *
                            static_cast<double>(spec->model.coordinates.size()) *
                            static_cast<double>(spec->model.transmission.encoders.size() + places.size());
-    if (numbers * memory_of_number > most_memory || !have_columns(spec->model, spec->configurations, wanted_))
-      break;
+    if (numbers * sizeof(double) > most_memory || !have_columns(spec->model)) break;
     result->columns = std::make_unique<ErrorColumns>(spec->model, places, spec->configurations, threads_);
     result->statistics = std::make_unique<ColumnStatistics>(*result->columns, wanted_, threads_);
     break;
@@ -224,7 +223,7 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
     Waiting waiting;
     for (std::size_t i = begin; i < end; ++i) {
       const auto with_columns = [&](const Analysis& a) {
-        if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations, wanted_)) return false;
+        if (!columns->columns || !have_columns(a.spec.model)) return false;
         return std::all_of(a.spec.model.sources.begin(), a.spec.model.sources.end(),
                            [&](const IndependentError& s) { return columns->columns->has_column(s); });
       };

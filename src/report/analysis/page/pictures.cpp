@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bound/figure_column.hpp"
-#include "bound/joined_tally.hpp"
+#include "bound/histogram.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "qerr/kinematics/coordinates.hpp"
