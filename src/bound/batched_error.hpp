@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "bound/figure_layout.hpp"
+#include "bound/kernels.hpp"
+#include "kinematics/folded_chain.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/core/instruction_set.hpp"
@@ -57,6 +59,34 @@ class BatchedError {
   std::shared_ptr<const Plan> plan_;
   struct Work;
   std::unique_ptr<Work> work_;
+};
+
+/// Builds an ErrorPlan from a model and owns the arrays that it points to.
+class PlannedError {
+ public:
+  PlannedError(const OperationalModel&, const ErrorFigures&);
+  PlannedError(const PlannedError&) = delete;
+  PlannedError& operator=(const PlannedError&) = delete;
+
+  const ErrorPlan& plan() const { return plan_; }
+
+ private:
+  void set_coordinates(const OperationalModel&);
+  void add_errors(const OperationalModel&);
+  /// @param scale  of which the part's sizes are multiples
+  void add_error(const OperationalModel&, const IndependentError&, bool source, double scale);
+  void set_direct();
+  void share_scale();
+  void set_remainder(const OperationalModel&);
+  void set_filters(const OperationalModel&, const ErrorFigures&);
+  void set_layout(const ErrorFigures&, std::size_t others);
+
+  ErrorPlan plan_ = {};
+  FoldedChain chain_;
+  std::vector<double> column_scale_, per_column_, arm_, l1_, dc_gain_, ratio_squares_, motion_squares_;
+  std::vector<int> coordinate_;
+  std::vector<ErrorPart> parts_;
+  std::vector<std::vector<JointWeight>> weights_;  // [part]
 };
 
 }  // namespace qerr

@@ -2,45 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
+#include <deque>
+#include <memory>
+#include <utility>
 
-#include "bound/form_statistics.hpp"
-#include "bound/joined_tally.hpp"
 #include "core/parallel.hpp"
-#include "core/random.hpp"
 #include "lanes/batch.hpp"
 
 namespace qerr {
-
-namespace {
-
-/// Places in random order: what comes first is a sample, also of a grid or of Sobol's sequence.
-std::vector<std::int32_t> shuffled(std::size_t count) {
-  std::vector<std::int32_t> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random_bits(0, i, 0) % i]);
-  return order;
-}
-
-std::vector<std::uint64_t> ranks_of(const WantedStatistics& wanted, std::uint64_t count) {
-  std::vector<std::uint64_t> ranks;
-  if (wanted.min) ranks.push_back(0);
-  if (wanted.max) ranks.push_back(count - 1);
-  for (const StatisticKind* kind : wanted.percentiles)
-    for (const std::uint64_t rank : percentile_ranks(kind->percentile, count)) ranks.push_back(rank);
-  std::sort(ranks.begin(), ranks.end());
-  ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
-  return ranks;
-}
-
-}  // namespace
-
-double power_to_unit(double largest) {
-  int exponent = 0;
-  if (largest > 0) std::frexp(largest, &exponent);
-  return std::ldexp(1.0, -exponent);
-}
 
 WantedStatistics WantedStatistics::of(const std::vector<const StatisticKind*>& kinds) {
   WantedStatistics wanted{false, false, false, {}};
@@ -57,136 +26,157 @@ ColumnStatistics::ColumnStatistics(const ErrorColumns& columns, WantedStatistics
                                    InstructionSet set)
     : columns_(columns),
       wanted_(std::move(wanted)),
-      kernels_(select_kernels<ScreenKernels>(set)),
-      configurations_(columns.configurations()),
-      padded_((configurations_ + batch_size - 1) / batch_size * batch_size),
-      count_(columns.columns()),
-      row_size_(columns.coordinates() * count_ + columns.joints()),
-      ranks_(ranks_of(wanted_, configurations_)),
-      order_(shuffled(configurations_)),
-      scale_(columns.coordinates()),
-      constant_(columns.coordinates()),
-      floats_(2 * columns.coordinates() * count_ * padded_),
-      rows_(row_size_ * configurations_),
-      mean_(columns.coordinates() * count_),
-      mean_square_(mean_.size()),
-      mean_norm_(columns.joints()),
-      least_norm_(columns.joints()),
-      largest_norm_(columns.joints()) {
-  parallel_for(columns.coordinates(), threads, [&](std::size_t c) { fill(c); });
-  for (std::size_t j = 0; j < columns.joints(); ++j) {
-    const double* const norms = columns.norms(j);
+      kernels_(select_kernels<BoundKernels>(set)),
+      mean_square_(columns.coordinates() * columns.columns()) {
+  parallel_for(mean_square_.size(), threads, [&](std::size_t i) {
+    const double* const column = columns.column(i / columns.columns(), i % columns.columns());
     long double sum = 0;
-    for (std::size_t i = 0; i < configurations_; ++i) {
-      sum += norms[i];
-      rows_[i * row_size_ + columns.coordinates() * count_ + j] = norms[order_[i]];
+    for (std::size_t at = 0; at < columns.configurations(); ++at)
+      sum += static_cast<long double>(column[at]) * column[at];
+    mean_square_[i] = static_cast<double>(sum / static_cast<long double>(columns.configurations()));
+  });
+}
+
+void ColumnStatistics::evaluate(std::size_t coordinate, std::span<const ColumnForm> forms) const {
+  constexpr std::size_t most_values = std::size_t{1} << 23;  // 64 MB a thread
+  const std::size_t kept = keeps_all() ? columns_.configurations() : 0;
+  const std::size_t tile =
+      std::clamp<std::size_t>(most_values / std::max<std::size_t>(kept, 1), 1, forms_per_tile);
+  const auto values = std::make_unique_for_overwrite<double[]>(std::min(tile, forms.size()) * kept);
+  for (std::size_t first = 0; first < forms.size(); first += tile)
+    evaluate_tile(coordinate, forms.subspan(first, std::min(tile, forms.size() - first)), values.get());
+}
+
+/// How many of the largest values have the wanted percentiles.
+std::size_t ColumnStatistics::wanted_values() const {
+  std::size_t most = 0;
+  for (const StatisticKind* kind : wanted_.percentiles)
+    most = std::max(most, columns_.configurations() -
+                              percentile_ranks(kind->percentile, columns_.configurations()).front());
+  return most;
+}
+
+/// LargestValues take less time than all of them where few are wanted.
+bool ColumnStatistics::keeps_all() const { return 16 * wanted_values() > columns_.configurations(); }
+
+/// @param values  memory for those of every form, if it keeps all
+void ColumnStatistics::evaluate_tile(std::size_t coordinate, std::span<const ColumnForm> forms,
+                                     double* values) const {
+  constexpr std::size_t batches_per_sum = 64;  // as in `workspace`: long sums of double lose digits
+  const std::size_t configurations = columns_.configurations();
+  AlignedNumbers figures(forms.size() * batch_size);
+  std::vector<Tally> tallies(forms.size());
+  std::vector<JoinedTally> joined(forms.size());
+  const bool all = keeps_all();
+  std::vector<LargestValues> largest(all || wanted_values() == 0 ? 0 : forms.size(),
+                                     LargestValues(wanted_values()));
+  std::vector<const double*> columns;
+  for (std::size_t k = 0; k < columns_.columns(); ++k) columns.push_back(columns_.column(coordinate, k));
+  for (std::size_t j = 0; j < columns_.joints(); ++j) columns.push_back(columns_.norms(j));
+  for (std::size_t first = 0, joined_up_to = 0; first < configurations; first += batch_size) {
+    const std::size_t count = std::min(batch_size, configurations - first), end = first + count;
+    kernels_.forms(columns.data(), forms.size(), forms.data(), figures.data());
+    for (const double*& column : columns) column += batch_size;
+    if (count == batch_size) kernels_.tally(forms.size(), figures.data(), first, tallies.data(), nullptr);
+    for (std::size_t f = 0; f < forms.size(); ++f) {
+      const double* const own = figures.data() + f * batch_size;
+      if (count < batch_size) tally_some(own, count, first, tallies[f]);
+      if (all) std::copy_n(own, count, values + f * configurations + first);
+      if (!largest.empty()) largest[f].add({own, count});
     }
-    mean_norm_[j] = static_cast<double>(sum / static_cast<long double>(configurations_));
-    const auto [least, largest] = std::minmax_element(norms, norms + configurations_);
-    least_norm_[j] = *least;
-    largest_norm_[j] = *largest;
+    if (end < configurations && end - joined_up_to < batches_per_sum * batch_size) continue;
+    for (std::size_t f = 0; f < forms.size(); ++f)
+      joined[f].append(std::exchange(tallies[f], Tally{}), end - joined_up_to);
+    joined_up_to = end;
+  }
+  for (std::size_t f = 0; f < forms.size(); ++f) {
+    OrderStatistic order;
+    if (all) order = order_statistics({values + f * configurations, configurations}, joined[f]);
+    if (!largest.empty()) order = std::move(largest[f]).order_statistics();
+    set(*forms[f].statistic, joined[f], order);
   }
 }
 
-void ColumnStatistics::fill(std::size_t c) {
-  double largest = 0;
-  for (std::size_t k = 0; k < count_; ++k)
-    for (std::size_t i = 0; i < configurations_; ++i)
-      largest = std::max(largest, std::abs(columns_.column(c, k)[i]));
-  scale_[c] = power_to_unit(largest);
-  float* const linear = floats_.data() + 2 * c * count_ * padded_;
-  float* const squared = linear + count_ * padded_;
-  constant_[c] = true;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const double* const column = columns_.column(c, k);
-    long double sum = 0, square_sum = 0;
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (std::size_t i = 0; i < configurations_; ++i) {
-      const double a = std::abs(column[order_[i]]), scaled = a * scale_[c];
-      const std::size_t to = (i / batch_size * count_ + k) * batch_size + i % batch_size;
-      linear[to] = static_cast<float>(scaled);
-      squared[to] = static_cast<float>(scaled * scaled);
-      rows_[i * row_size_ + c * count_ + k] = a;
-      sum += a;
-      square_sum += static_cast<long double>(a) * a;
-      least = std::min(least, a);
-      most = std::max(most, a);
-    }
-    mean_[c * count_ + k] = static_cast<double>(sum / static_cast<long double>(configurations_));
-    mean_square_[c * count_ + k] =
-        static_cast<double>(square_sum / static_cast<long double>(configurations_));
-    // Differences of rounding in trigonometry and the lengths of links.
-    constant_[c] = constant_[c] && most - least <= 1e-14 * largest;
-  }
-}
-
-void ColumnStatistics::evaluate(std::size_t coordinate, bool squared,
-                                std::span<const ColumnForm> forms) const {
-  FormStatistics tile(*this, coordinate, squared);
-  for (std::size_t first = 0; first < forms.size(); first += forms_per_tile)
-    tile.evaluate(forms.subspan(first, std::min(forms_per_tile, forms.size() - first)));
+void ColumnStatistics::set(Statistic& s, const JoinedTally& tally, const OrderStatistic& order) const {
+  if (wanted_.min) s.min = tally.min();
+  if (wanted_.mean) s.mean = tally.mean();
+  if (wanted_.max) s.max = tally.max();
+  for (const StatisticKind* kind : wanted_.percentiles)
+    s.*kind->value = percentile(kind->percentile, tally.count(), order);
 }
 
 namespace {
 
-/// Collects the forms of all models at one coordinate.
+/// The forms of all models at one coordinate.
 class CoordinateForms {
  public:
-  CoordinateForms(std::size_t coordinate, std::span<const ColumnModel> models,
+  CoordinateForms(const ErrorColumns& columns, std::size_t coordinate, std::span<const ColumnModel> models,
                   std::vector<Workspace>& results)
-      : c_(coordinate), row_(static_cast<Eigen::Index>(coordinate)) {
+      : columns_(columns), c_(coordinate), row_(static_cast<Eigen::Index>(coordinate)) {
     for (std::size_t m = 0; m < models.size(); ++m) {
       add_bounds(models[m], results[m]);
       for (std::size_t f = 0; f < models[m].filters->size(); ++f) add_filtered(models[m], f, results[m]);
     }
   }
 
-  std::vector<ColumnForm> linear, squared;
+  std::span<const ColumnForm> all() const { return all_; }
 
- private:
-  void add_bounds(const ColumnModel& m, Workspace& w) {
-    CoordinateStatistics& s = w.coordinates[c_];
-    const Coordinate c = m.model->coordinates[c_];
-    linear.push_back({.weights = m.weights.half_width.data(),
-                      .added = m.weights.added_worst[row_],
-                      .statistic = &s.worst_case,
-                      .rigorous = &s.worst_case_rigorous,
-                      .remainder = &m.weights.remainder,
-                      .rotation = !is_position(c)});
-    squared.push_back({.weights = m.weights.variance.data(),
-                       .added = m.weights.added_variance[row_],
-                       .statistic = &s.sigma});
-  }
-
-  /// Sigma behind a filter, where it is no multiple of that before it.
-  void add_filtered(const ColumnModel& m, std::size_t f, Workspace& w) {
-    const ErrorWeights::Filtered& own = m.weights.filtered[f];
-    DerivativeStatistics& s = w.derivatives[f][c_];
-    if (own.variance.size() > 0) {
-      s.sigma.emplace();
-      if (!is_plain(*m.model))
-        squared.push_back(
-            {.weights = own.variance.data(), .added = own.added_variance[row_], .statistic = &*s.sigma});
-    }
-    if (!is_plain(*m.model)) {
-      s.sigma_quantization.emplace();
-      squared.push_back(
-          {.weights = own.variance_of_quantization.data(), .added = 0, .statistic = &*s.sigma_quantization});
-    }
-    if (own.variance_in_motion.size() == 0) return;
-    s.sigma_in_motion.emplace();
-    squared.push_back({.weights = own.variance_in_motion.data(),
-                       .added = own.added_variance[row_],
-                       .statistic = &*s.sigma_in_motion});
-  }
-
- public:
   /// Only quantization: behind a filter every figure is a multiple.
   static bool is_plain(const OperationalModel& model) { return model.sources.empty() && !model.along_motion; }
 
  private:
+  ColumnForm& add(const Eigen::VectorXd& weights, double added, Statistic& s, bool squared) {
+    return all_.emplace_back(
+        ColumnForm{weights.data(), static_cast<std::size_t>(weights.size()), added, &s, squared});
+  }
+  /// The vector, which outlives the forms.
+  const Eigen::VectorXd& kept(Eigen::VectorXd v) { return kept_.emplace_back(std::move(v)); }
+
+  void add_bounds(const ColumnModel& m, Workspace& w) {
+    const ErrorWeights& weights = m.weights;
+    const double added = weights.added_worst[row_];
+    CoordinateStatistics& s = w.coordinates[c_];
+    const double* const means = weights.biased() ? kept(with_norms(weights.mean, {})).data() : nullptr;
+    add(weights.half_width, added, s.worst_case, false).means = means;
+    const LinearizationRemainder& r = weights.remainder;
+    const bool position = is_position(m.model->coordinates[c_]);
+    ColumnForm& rigorous =
+        add(position ? kept(with_norms(weights.half_width, r.per_column)) : weights.half_width,
+            added + (position ? r.position : r.rotation), s.worst_case_rigorous, false);
+    rigorous.means = means;
+    if (!position) rigorous.most = r.rotation_angle + added;
+    add(weights.variance, weights.added_variance[row_], s.sigma, true);
+  }
+
+  /// @param of_norms  empty: zeros
+  Eigen::VectorXd with_norms(const Eigen::VectorXd& weights, const Eigen::VectorXd& of_norms) const {
+    Eigen::VectorXd all =
+        Eigen::VectorXd::Zero(weights.size() + static_cast<Eigen::Index>(columns_.joints()));
+    all.head(weights.size()) = weights;
+    all.segment(weights.size(), of_norms.size()) = of_norms;
+    return all;
+  }
+
+  /// What is behind a filter, where it is no multiple of that before it.
+  void add_filtered(const ColumnModel& m, std::size_t f, Workspace& w) {
+    const ErrorWeights::Filtered& own = m.weights.filtered[f];
+    const bool plain = is_plain(*m.model);
+    DerivativeStatistics& s = w.derivatives[f][c_];
+    if (m.weights.biased())
+      add(kept(own.l1 * m.weights.half_width), own.added_worst[row_], s.worst_case, false).means =
+          kept(own.dc_gain * m.weights.mean).data();
+    if (own.variance.size() > 0) s.sigma.emplace();
+    if (s.sigma && !plain) add(own.variance, own.added_variance[row_], *s.sigma, true);
+    if (!plain) add(own.variance_of_quantization, 0, s.sigma_quantization.emplace(), true);
+    if (own.variance_in_motion.size() > 0)
+      add(own.variance_in_motion, own.added_variance[row_], s.sigma_in_motion.emplace(), true);
+  }
+
+  const ErrorColumns& columns_;
   std::size_t c_;
   Eigen::Index row_;
+  std::vector<ColumnForm> all_;
+  std::deque<Eigen::VectorXd> kept_;
 };
 
 /// Statistics of (x - less) factor + more.
@@ -201,10 +191,11 @@ void add_derivatives(const ColumnModel& m, Workspace& w) {
       const auto row = static_cast<Eigen::Index>(c);
       const ErrorWeights::Filtered& own = m.weights.filtered[f];
       DerivativeStatistics& s = w.derivatives[f][c];
-      s.worst_case =
-          CoordinateForms::is_plain(*m.model)
-              ? scaled(w.coordinates[c].worst_case, own.l1)
-              : affine(w.coordinates[c].worst_case, m.weights.added_worst[row], own.l1, own.added_worst[row]);
+      if (!m.weights.biased())
+        s.worst_case = CoordinateForms::is_plain(*m.model)
+                           ? scaled(w.coordinates[c].worst_case, own.l1)
+                           : affine(w.coordinates[c].worst_case, m.weights.added_worst[row], own.l1,
+                                    own.added_worst[row]);
       if (s.sigma && CoordinateForms::is_plain(*m.model))
         s.sigma = scaled(w.coordinates[c].sigma, (*m.filters)[f].h2);
     }
@@ -225,16 +216,9 @@ Eigen::MatrixXd variance_parts(const ColumnStatistics& columns, const Operationa
 
 }  // namespace
 
-bool have_columns(const OperationalModel& model, const Configurations& configurations,
-                  const WantedStatistics& wanted) {
-  const std::uint64_t count = size(configurations);
-  const bool euler = std::any_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
-  const bool biased =
-      !mean_errors(model.transmission).isZero(0) ||
-      std::any_of(model.sources.begin(), model.sources.end(), [](const auto& s) { return s.mean != 0; });
-  return count >= ColumnStatistics::fewest_configurations &&
-         (wanted.percentiles.empty() || count <= exact_percentiles_limit) && !euler && !biased &&
-         model.lengths.empty() && model.signals.empty();
+bool have_columns(const OperationalModel& model) {
+  return model.lengths.empty() && model.signals.empty() &&
+         std::none_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
 }
 
 std::vector<Workspace> workspaces(const ColumnStatistics& columns, std::span<const ColumnModel> models) {
@@ -247,9 +231,7 @@ std::vector<Workspace> workspaces(const ColumnStatistics& columns, std::span<con
     results[m].mean_variance_parts = variance_parts(columns, *models[m].model);
   }
   for (std::size_t c = 0; c < coordinates; ++c) {
-    const CoordinateForms forms(c, models, results);
-    columns.linear(c, forms.linear);
-    columns.squared(c, forms.squared);
+    columns.evaluate(c, CoordinateForms(columns.columns(), c, models, results).all());
   }
   for (std::size_t m = 0; m < models.size(); ++m) add_derivatives(models[m], results[m]);
   return results;

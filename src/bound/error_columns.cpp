@@ -77,6 +77,7 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Inde
     if (std::none_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); }))
       places_.push_back(std::move(s));
   }
+  set_plain(model);
   values_ = AlignedNumbers(coordinates_ * columns() * padded_);
   norms_ = AlignedNumbers(joints_ * padded_);
   constexpr std::size_t batches_per_task = 16;
@@ -89,9 +90,48 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Inde
     for (std::size_t b = task * batches_per_task; b < end; ++b) {
       sampler(b * batch_size, q.data());
       jacobian(q.data(), to.data());
-      compute_batch(model, b * batch_size, q.data(), to.data());
+      if (of_joints_.size() > 0)
+        mix_batch(model, b * batch_size, to.data());
+      else
+        compute_batch(model, b * batch_size, q.data(), to.data());
     }
   });
+}
+
+/// Columns that are sums of columns of the joint Jacobian in the base frame.
+void ErrorColumns::set_plain(const OperationalModel& model) {
+  const bool at_origins = std::any_of(places_.begin(), places_.end(), [](const IndependentError& p) {
+    return p.where == IndependentError::Where::origin;
+  });
+  if (needs_rotation(model) || at_origins || !model.signals.empty()) return;
+  of_joints_.resize(static_cast<Eigen::Index>(joints_), static_cast<Eigen::Index>(columns()));
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Eigen::VectorXd moved = moved_joints(model.transmission, places_[k]);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const ChainJoint& joint = model.chain.joints[j];
+      of_joints_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) =
+          joint.multiplier * moved[static_cast<Eigen::Index>(joint.coordinate)];
+    }
+  }
+}
+
+void ErrorColumns::mix_batch(const OperationalModel& model, std::size_t first, const double* jacobians) {
+  const std::size_t count = std::min(batch_size, count_ - first);
+  for (std::size_t c = 0; c < coordinates_; ++c)
+    for (std::size_t k = 0; k < columns(); ++k)
+      for (std::size_t j = 0; j < joints_; ++j) {
+        const double weight = of_joints_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k));
+        const double* const from =
+            jacobians + (6 * j + static_cast<std::size_t>(model.coordinates[c])) * batch_size;
+        double* const to = &values_[(c * columns() + k) * padded_ + first];
+        for (std::size_t i = 0; i < count && weight != 0; ++i) to[i] += weight * from[i];
+      }
+  for (std::size_t j = 0; j < joints_; ++j)
+    for (std::size_t i = 0; i < count; ++i) {
+      const double* const x = jacobians + 6 * j * batch_size + i;
+      norms_[j * padded_ + first + i] =
+          std::sqrt(x[0] * x[0] + x[batch_size] * x[batch_size] + x[2 * batch_size] * x[2 * batch_size]);
+    }
 }
 
 void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t first, const double* q,

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "bound/figure_column.hpp"
-#include "bound/joined_tally.hpp"
+#include "bound/histogram.hpp"
 #include "core/statistics.hpp"
 
 namespace qerr {
@@ -76,15 +80,6 @@ constexpr StatisticKind kinds[] = {
     {"p99", "p99", "99th percentile", &Statistic::p99, 0.99},
 };
 
-/// Rows of percentiles, the largest first.
-std::vector<const StatisticKind*> percentiles() {
-  std::vector<const StatisticKind*> rows;
-  for (const StatisticKind& kind : kinds)
-    if (kind.percentile >= 0) rows.push_back(&kind);
-  std::sort(rows.begin(), rows.end(), [](auto* a, auto* b) { return a->percentile > b->percentile; });
-  return rows;
-}
-
 }  // namespace
 
 std::span<const StatisticKind> statistic_kinds() { return kinds; }
@@ -116,8 +111,9 @@ std::vector<std::uint64_t> percentile_ranks(double fraction, std::uint64_t count
 
 std::vector<std::uint64_t> percentile_ranks(std::uint64_t count) {
   std::vector<std::uint64_t> ranks;
-  for (const StatisticKind* kind : percentiles())
-    for (const std::uint64_t rank : percentile_ranks(kind->percentile, count)) ranks.push_back(rank);
+  for (const StatisticKind& kind : kinds)
+    if (kind.percentile >= 0)
+      for (const std::uint64_t rank : percentile_ranks(kind.percentile, count)) ranks.push_back(rank);
   return ranks;
 }
 
@@ -127,19 +123,64 @@ Statistic statistic(const JoinedTally& t, const OrderStatistic& order) {
   s.min = t.min();
   s.mean = t.mean();
   s.max = t.max();
-  // In descending order, as `order_statistics` requires.
-  for (const StatisticKind* kind : percentiles())
-    s.*kind->value = percentile(kind->percentile, t.count(), order);
+  for (const StatisticKind& kind : kinds)
+    if (kind.percentile >= 0) s.*kind.value = percentile(kind.percentile, t.count(), order);
   return s;
 }
 
-/// Ranks are requested in descending order: values above the last one are not visited again.
-OrderStatistic order_statistics(double* values, std::uint64_t count) {
-  return [values, end = count](std::uint64_t rank) mutable {
-    if (rank >= end) end = rank + 1;
-    std::nth_element(values, values + rank, values + end);
-    end = rank + 1;
-    return values[rank];
+/// Two passes over the values: they are counted in bins of their leading bits, and those in the bins of the
+/// ranks are kept. A quarter of the time of nth_element over all values (6.5 against 25 ns a value of 1e5).
+OrderStatistic order_statistics(std::span<const double> values, const JoinedTally& tally) {
+  constexpr int shift = 46;  // 64 bins an octave
+  const auto bin_of = [](double value) { return std::bit_cast<std::uint64_t>(std::abs(value)) >> shift; };
+  if (values.empty()) return [](std::uint64_t) { return 0.0; };
+  const std::uint64_t first = bin_of(tally.min());
+  std::vector<std::uint32_t> counts(bin_of(tally.max()) - first + 1);
+  for (const double value : values) ++counts[bin_of(value) - first];
+  struct Bin {
+    std::uint64_t before;  // values of smaller bins
+    std::vector<double> values = {};
+  };
+  std::map<std::uint64_t, Bin> kept;                                 // by the index of the bin
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> bin_of_rank;  // rank, bin
+  for (const std::uint64_t rank : percentile_ranks(values.size())) {
+    std::uint64_t before = 0, bin = 0;
+    while (before + counts[bin] <= rank) before += counts[bin++];
+    kept.insert({bin, {before}});
+    bin_of_rank.emplace_back(rank, bin);
+  }
+  std::vector<Bin*> of_bin(counts.size());
+  for (auto& [bin, of_ranks] : kept) of_bin[bin] = &of_ranks;
+  for (const double value : values)
+    if (Bin* const bin = of_bin[bin_of(value) - first]) bin->values.push_back(value);
+  std::map<std::uint64_t, double> found;
+  for (const auto& [rank, bin] : bin_of_rank) {
+    auto& [before, near] = kept.at(bin);
+    const auto nth = near.begin() + static_cast<std::ptrdiff_t>(rank - before);
+    std::nth_element(near.begin(), nth, near.end());
+    found[rank] = *nth;
+  }
+  return [found = std::move(found)](std::uint64_t rank) { return found.at(rank); };
+}
+
+void LargestValues::add(std::span<const double> values) {
+  added_ += values.size();
+  for (const double value : values) {
+    if (!(value > least_)) continue;
+    kept_.push_back(value);
+    if (kept_.size() < 4 * count_) continue;
+    std::nth_element(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_ - 1), kept_.end(),
+                     std::greater<>());
+    kept_.resize(count_);
+    least_ = kept_.back();
+  }
+}
+
+OrderStatistic LargestValues::order_statistics() && {
+  return [kept = std::move(kept_), last = added_ - 1](std::uint64_t rank) mutable {
+    const auto nth = kept.begin() + static_cast<std::ptrdiff_t>(last - rank);
+    std::nth_element(kept.begin(), nth, kept.end(), std::greater<>());
+    return *nth;
   };
 }
 

@@ -33,7 +33,7 @@ struct ErrorPart {
   bool source = false;                         ///< an error source, not quantization
 };
 
-/// Input of the batched kernel, built from a model by PlannedError (error_plan.hpp). At most nine
+/// Input of the batched kernel, built from a model by PlannedError (batched_error.hpp). At most nine
 /// coordinates.
 struct ErrorPlan {
   FoldedPath chain;
@@ -69,6 +69,20 @@ struct alignas(64) BinList {
   std::int32_t* next = nullptr;  ///< end of the list; a kernel writes up to 16 numbers beyond
 };
 
+struct Statistic;
+
+/// A figure of a signal as a function of the columns A of its errors (error_columns.hpp):
+///   min(sum |A_k| weight_k + |sum A_k mean_k| + added, most), or sqrt(sum A_k^2 weight_k + added).
+struct ColumnForm {
+  const double* weights = nullptr;  ///< [column], not negative
+  std::size_t columns = 0;          ///< the first ones
+  double added = 0;
+  Statistic* statistic = nullptr;  ///< receives the result, without `at_max`
+  bool squared = false;
+  const double* means = nullptr;  ///< [column]; null: 0
+  double most = __builtin_inf();
+};
+
 struct BoundKernels {
   std::size_t lanes;
   /// Doubles of scratch memory that `errors` needs.
@@ -77,6 +91,23 @@ struct BoundKernels {
   void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* scratch);
   /// Adds a batch of every figure to the tallies and, unless null, to the lists of bins.
   void (*tally)(std::size_t count, const double* figures, std::uint64_t first, Tally*, BinList*);
+  /// Values of forms at a batch.
+  /// @param columns  [column]: its numbers of the batch
+  /// @param figures  receives [form][batch_size]
+  void (*forms)(const double* const* columns, std::size_t count, const ColumnForm*, double* figures);
+  /// The largest length of m + sum s_i g_i over all signs s_i = +-1, of the first `count` configurations of a
+  /// batch: the farthest corner of a box that is mapped linearly to space.
+  ///
+  /// The farthest point of a zonotope is a vertex. Up to 12 generators all signs are tried. Beyond, the
+  /// vertices are enumerated: each lies at an edge along some g_i of a face with the normal d = g_i x g_j,
+  /// where the sign of g_k is that of its component along d; in the face, along d x g_i; along the edge,
+  /// along g_i. That is O(n^3) for n generators. A vertex has edges in two directions, so that i < j will do.
+  /// @param mean     [axis][batch_size]
+  /// @param g        [generator][axis][batch_size]
+  /// @param count    a multiple of `lanes`
+  /// @param scratch  as many numbers as a vector of each generator has lanes
+  void (*largest_corners)(std::size_t generators, const double* mean, const double* g, std::size_t count,
+                          double* to, double* scratch);
 };
 
 }  // namespace qerr

@@ -1,7 +1,9 @@
 #include "bound/signal_errors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "bound/linearization_remainder.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/workspace.hpp"
 
@@ -160,6 +162,182 @@ void SignalErrors::operator()(const double* q, double* figures) {
         set_closed(s, at, loops, figures + i);
       else
         set(s, at, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
+  }
+}
+
+double largest_corner(const Eigen::Vector3d& mean, const Eigen::Matrix3Xd& generators) {
+  const BoundKernels& kernels = select_kernels<BoundKernels>(instruction_set());
+  const auto count = static_cast<std::size_t>(generators.cols());
+  AlignedNumbers vectors(3 * (count + 1) * batch_size), lengths(batch_size), scratch(count * kernels.lanes);
+  for (std::size_t lane = 0; lane < kernels.lanes; ++lane)
+    for (Eigen::Index row = 0; row < 3; ++row) {
+      const std::size_t at = static_cast<std::size_t>(row) * batch_size + lane;
+      vectors[at] = mean[row];
+      for (Eigen::Index g = 0; g < generators.cols(); ++g)
+        vectors[3 * (static_cast<std::size_t>(g) + 1) * batch_size + at] = generators(row, g);
+    }
+  kernels.largest_corners(count, vectors.data(), vectors.data() + 3 * batch_size, kernels.lanes,
+                          lengths.data(), scratch.data());
+  return lengths[0];
+}
+
+namespace {
+
+std::size_t index_of(const std::vector<Coordinate>& list, Coordinate c) {
+  return static_cast<std::size_t>(std::find(list.begin(), list.end(), c) - list.begin());
+}
+
+double length_at(const Eigen::VectorXd& values, const std::array<std::size_t, 3>& components) {
+  double sum = 0;
+  for (const std::size_t c : components) sum += std::pow(values[static_cast<Eigen::Index>(c)], 2);
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& requested,
+                           const FigureLayout& layout, InstructionSet set)
+    : layout_(layout),
+      filters_(requested.filters),
+      rigorous_(requested.rigorous),
+      own_worst_(layout.filtered_sigma > layout.filtered_worst),
+      own_sigma_(layout.in_motion > layout.filtered_sigma),
+      kernels_(select_kernels<BoundKernels>(set)),
+      jacobian_(model.chain, set),
+      columns_(6 * model.chain.joints.size() * batch_size),
+      joints_(model.chain.joints.size()),
+      components_(model.coordinates.size()) {
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
+  rotation_remainder_ = r.rotation;
+  rotation_angle_ = r.rotation_angle;
+  for (std::size_t f = 0; f < filters_.size(); ++f)
+    in_motion_.push_back(f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0);
+  double shift = 0;  // of origins
+  for (const IndependentError& e : independent_errors(model))
+    if (e.where == IndependentError::Where::origin)
+      shift += std::abs(e.mean) + e.half_width;
+    else
+      add_generator(model, e);
+  for (const Coordinate c : model.lengths) {
+    const Coordinate first = first_component(c);
+    Length length{static_cast<std::size_t>(first), {}};
+    for (std::size_t k = 0; k < 3; ++k)
+      length.components[k] =
+          index_of(model.coordinates, static_cast<Coordinate>(static_cast<std::size_t>(first) + k));
+    const double of_origins = c == Coordinate::xyz ? shift : 0;
+    length.added = of_origins;
+    for (const Norms& norms : filters_) length.added_behind.push_back(norms.l1.upper * of_origins);
+    if (model.along_motion) {
+      length.added += length_at(model.along_motion->tip.peak, length.components);
+      for (std::size_t f = 0; f < filters_.size(); ++f)
+        length.added_behind[f] += length_at(model.along_motion->filtered[f].peak, length.components);
+    }
+    lengths_.push_back(length);
+  }
+  const std::size_t count = generators_.size();
+  mean_ = AlignedNumbers(3 * batch_size);
+  scaled_mean_ = AlignedNumbers(3 * batch_size);
+  corners_ = AlignedNumbers(3 * count * batch_size);
+  largest_ = AlignedNumbers(batch_size);
+  scratch_ = AlignedNumbers(count * kernels_.lanes);
+}
+
+/// Errors along the same direction of the joints have one corner: their half widths add.
+void LengthErrors::add_generator(const OperationalModel& model, const IndependentError& error) {
+  const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);
+  biased_ = biased_ || error.mean != 0;
+  Eigen::VectorXd of_joints(static_cast<Eigen::Index>(joints_));
+  for (std::size_t k = 0; k < joints_; ++k) {
+    const ChainJoint& joint = model.chain.joints[k];
+    of_joints[static_cast<Eigen::Index>(k)] =
+        joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+  }
+  for (Generator& g : generators_)
+    if (g.of_joints == of_joints) {
+      g.half_width += error.half_width;
+      g.mean += error.mean;
+      return;
+    }
+  generators_.push_back({std::move(of_joints), error.half_width, error.mean});
+}
+
+void LengthErrors::set_vectors(const Length& length) {
+  for (std::size_t c = 0; c < mean_.size(); ++c) mean_[c] = 0;
+  for (std::size_t g = 0; g < generators_.size(); ++g)
+    for (std::size_t row = 0; row < 3; ++row) {
+      double* const corner = &corners_[(3 * g + row) * batch_size];
+      std::fill_n(corner, batch_size, 0.0);
+      for (std::size_t k = 0; k < joints_; ++k) {
+        const double weight = generators_[g].of_joints[static_cast<Eigen::Index>(k)];
+        if (weight == 0) continue;
+        const double* const column = &columns_[(6 * k + length.first + row) * batch_size];
+        for (std::size_t c = 0; c < batch_size; ++c) corner[c] += column[c] * weight;
+      }
+      for (std::size_t c = 0; c < batch_size; ++c) {
+        mean_[row * batch_size + c] += generators_[g].mean * corner[c];
+        corner[c] *= generators_[g].half_width;
+      }
+    }
+}
+
+const double* LengthErrors::largest_corners(double of_mean) {
+  for (std::size_t c = 0; c < mean_.size(); ++c) scaled_mean_[c] = of_mean * mean_[c];
+  kernels_.largest_corners(generators_.size(), scaled_mean_.data(), corners_.data(), batch_size,
+                           largest_.data(), scratch_.data());
+  return largest_.data();
+}
+
+void LengthErrors::set_worst(const Length& length, std::size_t index, double* figures) {
+  const auto row = [&](std::size_t first, std::size_t coordinate) {
+    return figures + (first + coordinate) * batch_size;
+  };
+  set_vectors(length);
+  const double* const linear = largest_corners(1);
+  double* const worst = row(layout_.worst_case, index);
+  for (std::size_t i = 0; i < batch_size; ++i) worst[i] = linear[i] + length.added;
+  if (rigorous_) {
+    // The remainder of a position is that of its components: it bounds a length.
+    double* const rigorous = row(layout_.rigorous, index);
+    const double *const x = row(layout_.worst_case, length.components[0]), *const rigorous_x =
+                                                                               row(layout_.rigorous,
+                                                                                   length.components[0]);
+    for (std::size_t i = 0; i < batch_size; ++i)
+      rigorous[i] = length.first == 0
+                        ? worst[i] + (rigorous_x[i] - x[i])
+                        : std::min(linear[i] + rotation_remainder_, rotation_angle_) + length.added;
+  }
+  for (std::size_t f = 0; f < filters_.size() && own_worst_; ++f) {
+    const Norms& norms = filters_[f];
+    const double l1 = norms.l1.upper;
+    const double* const behind = biased_ && l1 > 0 ? largest_corners(norms.dc_gain / l1) : linear;
+    double* const to = row(layout_.filtered_worst + f * layout_.coordinates, index);
+    for (std::size_t i = 0; i < batch_size; ++i) to[i] = l1 * behind[i] + length.added_behind[f];
+  }
+}
+
+/// @param block  of figures: index of the first coordinate's
+double LengthErrors::root_of_sum(const Length& length, std::size_t block, const double* figures) const {
+  double sum = 0;
+  for (const std::size_t c : length.components) sum += std::pow(figures[(block + c) * batch_size], 2);
+  return std::sqrt(sum);
+}
+
+void LengthErrors::set_sigmas(const Length& length, std::size_t index, std::size_t i, double* figures) const {
+  const auto set = [&](std::size_t block) {
+    figures[(block + index) * batch_size + i] = root_of_sum(length, block, figures + i);
+  };
+  set(layout_.sigma);
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    if (own_sigma_) set(layout_.filtered_sigma + f * layout_.coordinates);
+    if (in_motion_[f]) set(layout_.in_motion + f * layout_.coordinates);
+  }
+}
+
+void LengthErrors::operator()(const double* q, double* figures) {
+  jacobian_(q, columns_.data());
+  for (std::size_t l = 0; l < lengths_.size(); ++l) {
+    for (std::size_t i = 0; i < batch_size; ++i) set_sigmas(lengths_[l], components_ + l, i, figures);
+    set_worst(lengths_[l], components_ + l, figures);
   }
 }
 

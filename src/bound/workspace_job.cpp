@@ -156,7 +156,7 @@ bool WorkspaceJob::percentiles_are_counted() const {
 
 Statistic WorkspaceJob::statistic_of(std::size_t figure) const {
   const JoinedTally& tally = joined_[figure];
-  if (exact_) return statistic(tally, order_statistics(values_.data() + figure * total_, total_));
+  if (exact_) return statistic(tally, order_statistics({values_.data() + figure * total_, total_}, tally));
   return statistic(tally, [&](std::uint64_t rank) {
     return histograms_[figure].order_statistic(rank, tally.min(), tally.max());
   });

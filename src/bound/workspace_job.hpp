@@ -8,7 +8,6 @@
 #include "bound/batched_error.hpp"
 #include "bound/figure_column.hpp"
 #include "bound/histogram.hpp"
-#include "bound/joined_tally.hpp"
 #include "bound/kernels.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"

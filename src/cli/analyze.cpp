@@ -22,6 +22,7 @@ int run(const Values& v) {
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options = workspace_options(v);
+  options.warnings = caller() || !v.given("quiet") || chosen_format(v) == "html";
   ExceedanceCounter counter(spec, limits);
   if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;

@@ -74,7 +74,8 @@ CheckReport checked(const Baselines& baselines, const ProofRequest& proofs, cons
 /// @param annotated  whether annotations are asked for
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
-    const ProofRequest proofs = proof_request(v);
+    ProofRequest proofs = proof_request(v);
+    if (!v.given("prove")) proofs.of_distance = 0.1;  // the margin is shown to a tenth of itself
     const Baselines baselines = baselines_of(v);
     refuse_shared_input(v.texts("SPEC"), "SPEC");
     return checked(baselines, proofs, v);
@@ -142,7 +143,8 @@ Command check_command() {
                 .meaning = "how much worse a figure may be, such as 2% or 0.02",
                 .fallback = "0",
                 .needs = "--baseline"}},
-              {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},
+              {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%, "
+                            "or a tenth of the distance to the limit)")},
               long_work_option(),
               output_options_with_markdown()});
   options.front().kind = OptionKind::repeat;

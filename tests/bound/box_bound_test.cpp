@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "bound/proven/ascent.hpp"
-#include "bound/proven/branch_and_bound.hpp"
 #include "support/random_model.hpp"
 
 namespace qerr {

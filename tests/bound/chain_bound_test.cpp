@@ -5,7 +5,6 @@
 #include <map>
 #include <numbers>
 
-#include "bound/proven/chain_recursions.hpp"
 #include "support/figure_search.hpp"
 #include "support/random_model.hpp"
 

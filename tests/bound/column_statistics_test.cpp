@@ -29,12 +29,10 @@ double gap(const Statistic& a, const Statistic& b, const std::vector<const Stati
   return difference == 0 ? 0 : difference / (1e-12 * b.max + 1e-14 * largest);
 }
 
-/// A model whose errors have no mean, and no coordinates but those with columns.
-OperationalModel unbiased_model(Dice& dice, std::size_t filters) {
+/// A model that has no coordinates but those with columns.
+OperationalModel model_with_columns(Dice& dice, std::size_t filters) {
   OperationalModel m = testing::random_model(dice, filters, dice.chance(0.5) ? 1 : 0);
   m.coordinates.assign(testing::all_coordinates, testing::all_coordinates + (dice.chance(0.5) ? 3 : 6));
-  for (Encoder& e : m.transmission.encoders) e.rounding = Rounding::nearest;
-  for (IndependentError& s : m.sources) s.mean = 0;
   return m;
 }
 
@@ -100,9 +98,9 @@ TEST(ColumnStatistics, EqualsTheWorkspaceOfEveryModel) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     Dice dice(seed);
     const std::size_t filters = dice.below(3);
-    const OperationalModel base = unbiased_model(dice, filters);
+    const OperationalModel base = model_with_columns(dice, filters);
     const Configurations configurations = random_configurations(dice, base.transmission.encoders.size());
-    ASSERT_TRUE(have_columns(base, configurations, WantedStatistics::of(all_kinds())));
+    ASSERT_TRUE(have_columns(base));
     std::vector<Norms> all;
     for (std::size_t f = 0; f < filters; ++f)
       all.push_back(norms(difference_filter(1000, 1 + static_cast<int>(f))));
@@ -127,7 +125,7 @@ TEST(ColumnStatistics, EqualsTheWorkspaceOfEveryModel) {
 
 TEST(ColumnStatistics, DoNotDependOnWhatElseIsEvaluated) {
   Dice dice(5);
-  const OperationalModel base = unbiased_model(dice, 0);
+  const OperationalModel base = model_with_columns(dice, 0);
   const Configurations configurations = random_configurations(dice, base.transmission.encoders.size());
   const ErrorColumns columns(base, base.sources, configurations, 1);
   const ColumnStatistics all(columns, WantedStatistics::of(all_kinds()), 1);
@@ -149,29 +147,37 @@ TEST(ColumnStatistics, DoNotDependOnWhatElseIsEvaluated) {
   }
 }
 
-TEST(ColumnStatistics, AreNotForBiasedErrorsEulerAnglesAndFewConfigurations) {
+TEST(ColumnStatistics, AreNotForEulerAnglesAndLengths) {
   Dice dice(3);
-  OperationalModel model = unbiased_model(dice, 0);
-  model.sources.clear();
-  Configurations configurations{.count = 5000, .ranges = {}};
-  configurations.ranges.assign(model.transmission.encoders.size(), {-1, 1});
-  const WantedStatistics all = WantedStatistics::of(all_kinds()),
-                         largest = WantedStatistics::of({find_statistic("max")});
-  EXPECT_TRUE(have_columns(model, configurations, all));
-  OperationalModel biased = model;
-  biased.transmission.encoders[0].rounding = Rounding::down;
-  EXPECT_FALSE(have_columns(biased, configurations, all));
+  const OperationalModel model = model_with_columns(dice, 0);
+  EXPECT_TRUE(have_columns(model));
   OperationalModel euler = model;
   euler.coordinates.push_back(Coordinate::yaw);
-  EXPECT_FALSE(have_columns(euler, configurations, all));
+  EXPECT_FALSE(have_columns(euler));
   OperationalModel length = model;
   length.lengths = {Coordinate::xyz};
-  EXPECT_FALSE(have_columns(length, configurations, all));
-  configurations.count = 1000;
-  EXPECT_FALSE(have_columns(model, configurations, all));
-  configurations.count = 2 * exact_percentiles_limit;
-  EXPECT_FALSE(have_columns(model, configurations, all)) << "of which `workspace` has no exact percentiles";
-  EXPECT_TRUE(have_columns(model, configurations, largest));
+  EXPECT_FALSE(have_columns(length));
+}
+
+// Beyond exact_percentiles_limit the workspace counts in bins, which are right to 1e-3.
+TEST(ColumnStatistics, HaveExactPercentilesOfManyConfigurations) {
+  Dice dice(7);
+  const OperationalModel model = model_with_columns(dice, 0);
+  Configurations configurations{.count = exact_percentiles_limit + 1000, .ranges = {}};
+  configurations.ranges.assign(model.transmission.encoders.size(), {-3, 3});
+  const ErrorColumns columns(model, model.sources, configurations, 1);
+  const ColumnStatistics statistics(columns, WantedStatistics::of(all_kinds()), 1);
+  const std::vector<Norms> none;
+  const ColumnModel one{&model, &none, error_weights(columns, model, none)};
+  const Workspace found = workspaces(statistics, {&one, 1}).front(),
+                  binned = workspace(model, none, configurations);
+  ASSERT_FALSE(binned.exact_percentiles);
+  for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+    const Statistic &a = found.coordinates[c].worst_case, &b = binned.coordinates[c].worst_case;
+    EXPECT_NEAR(a.p95, b.p95, 1e-3 * b.max);
+    EXPECT_NEAR(a.p50, b.p50, 1e-3 * b.max);
+    EXPECT_NEAR(a.mean, b.mean, 1e-12 * b.max);
+  }
 }
 
 }  // namespace

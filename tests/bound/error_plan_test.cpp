@@ -1,10 +1,9 @@
-#include "bound/error_plan.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bound/batched_error.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_model.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "bound/length_errors.hpp"
+#include "bound/signal_errors.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -1,10 +1,9 @@
-#include "bound/length_errors.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "bound/batched_error.hpp"
+#include "bound/signal_errors.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_chain.hpp"
 

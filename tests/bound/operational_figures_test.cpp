@@ -180,7 +180,7 @@ TEST(ColumnWorkspaceFigures, InMotionAreThoseOfTheWorkspace) {
     }
     Configurations c{.count = 4096 + dice.below(500), .seed = 3, .ranges = {}};
     c.ranges.assign(m.chain.independent.size(), {-2, 2});
-    ASSERT_TRUE(have_columns(m, c, {}));
+    ASSERT_TRUE(have_columns(m));
     const auto encoders = static_cast<Eigen::Index>(m.transmission.encoders.size());
     const std::vector<Eigen::VectorXd> noise{dice.vector(encoders, 100, 500),
                                              dice.vector(encoders, 0.1, 0.4)};

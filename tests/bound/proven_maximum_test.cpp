@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "bound/proven/figure_model.hpp"
-#include "bound/proven/reached.hpp"
-#include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
@@ -113,6 +111,24 @@ TEST(ProvenMaximum, OfAPlanarArmIsThatOfTheStretchedArm) {
     EXPECT_GE(proven[i].upper, expected[i]) << i;
     EXPECT_LE(proven[i].gap(), 1e-3) << i;
   }
+}
+
+/// A proof ends at a tenth of the distance to a limit, on either side, and its bound holds.
+TEST(ProvenMaximum, OfAFarLimitIsAsWideAsTheDistanceAllows) {
+  const OperationalModel m = planar(0.4, 0.3, 2e-3, 1e-3);
+  const std::vector<Limits> whole(2, Limits{-3, 3});
+  const double sigma = std::hypot(2e-3 * 0.7, 1e-3 * 0.3) / std::sqrt(12.0);
+  const auto proven = [&](double limit) {
+    return proven_maxima(m, {}, whole, {{0, -1, Bound::sigma}},
+                         {.gap = 1e-3, .limits = {limit}, .of_distance = 0.1})[0];
+  };
+  for (const double limit : {6 * sigma, sigma / 6}) {
+    EXPECT_NEAR(proven(limit).wanted_gap, 0.5, 1e-9);
+    EXPECT_LE(proven(limit).gap(), 0.5);
+    EXPECT_GE(proven(limit).upper, sigma);
+  }
+  EXPECT_EQ(proven(1.005 * sigma).wanted_gap, 1e-3);
+  EXPECT_EQ(proven(1e9 * sigma).wanted_gap, 1);
 }
 
 TEST(ProvenMaximum, IsReachedWhereItSaysAndNeverExceeded) {

@@ -6,10 +6,7 @@
 
 #include "bound/proven/ascent.hpp"
 #include "bound/proven/box_bound.hpp"
-#include "bound/proven/branch_and_bound.hpp"
 #include "bound/proven/chain_bound.hpp"
-#include "bound/proven/chain_form.hpp"
-#include "bound/proven/chain_recursions.hpp"
 #include "qerr/bound/proven_maximum.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "bound/length_errors.hpp"
 #include "bound/proven/chain_bound.hpp"
+#include "bound/signal_errors.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr::testing {

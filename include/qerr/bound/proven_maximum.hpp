@@ -14,9 +14,10 @@ namespace qerr {
 
 /// The maximum of a figure over a box of joint coordinates lies between `lower` and `upper`.
 struct ProvenMaximum {
-  double lower = 0;    ///< the figure at `at`, by the same functions as in `workspace`
-  double upper = 0;    ///< never exceeded in the box, rounding included; +inf: no bound is known
-  Eigen::VectorXd at;  ///< independent joints [rad or m]
+  double lower = 0;       ///< the figure at `at`, by the same functions as in `workspace`
+  double upper = 0;       ///< never exceeded in the box, rounding included; +inf: no bound is known
+  Eigen::VectorXd at;     ///< independent joints [rad or m]
+  double wanted_gap = 0;  ///< at which the proof ends
 
   /// upper/lower - 1; 0 of a figure that is zero everywhere.
   double gap() const;
@@ -31,9 +32,12 @@ struct ProofOptions {
   std::vector<Eigen::VectorXd> noise_in_motion = {};
   /// Configurations from which the search for the maximum also starts, such as those of sampled maxima.
   std::vector<Eigen::VectorXd> starts = {};
-  /// [figure]: a limit of which only the verdict counts; empty: none. Where `lower` exceeds it there is no
-  /// proof (`upper` is infinite), and where it is far above, a gap as wide as that to the limit will do.
+  /// [figure]: a limit whose verdict is wanted, infinite without one; empty: none. Where it is far away, a
+  /// gap as wide as the part `of_distance` of the distance between it and `lower` will do, but at most 1.
   std::vector<double> limits = {};
+  /// 1: only the verdict counts. The gap may be of any width, and where `lower` exceeds the limit there is no
+  /// proof (`upper` is infinite).
+  double of_distance = 1;
 };
 
 /// Proven maxima of figures over the box of the joint ranges, in the order of `figures`.
@@ -44,7 +48,7 @@ struct ProofOptions {
 /// axes (mimics) are searched along their range.
 ///
 /// `upper`: the lower of two bounds. Dynamic programming along the chain (chain_bound.hpp), where it applies;
-/// and branch and bound over boxes of joint coordinates (branch_and_bound.hpp) for every model without Euler
+/// and branch and bound over boxes of joint coordinates (box_bound.hpp) for every model without Euler
 /// angles. The number of boxes and the finest grid depend on `gap` only, so that the result does not depend
 /// on time; the gap that is left may be wider than the one wanted. Roll, pitch and yaw have no upper bound
 /// here: +inf.
@@ -59,5 +63,9 @@ struct ProofOptions {
 std::vector<ProvenMaximum> proven_maxima(const OperationalModel&, const std::vector<Norms>& filters,
                                          const std::vector<Limits>& ranges,
                                          const std::vector<Figure>& figures, const ProofOptions& = {});
+
+/// Sets `lower` to a value that is reached.
+/// @throws std::logic_error if it contradicts the proof: exceeds `upper` by more than 1e-9 of it
+void set_reached(ProvenMaximum&, double value);
 
 }  // namespace qerr

@@ -40,7 +40,9 @@ struct Exceedance {
 struct ProofRequest {
   double gap = 0.01;  ///< between what is reached and what is proven
   bool all = false;   ///< every worst case and sigma; else the figures of requirements on the proven maximum
-  bool verdicts_only = false;  ///< no more of a proof than the verdict on its requirements needs
+  /// Part of the distance between a requirement's limit and what is reached that the gap may have; 1: no more
+  /// of a proof than the verdict needs (ProofOptions::of_distance).
+  double of_distance = 0;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
@@ -48,7 +50,6 @@ struct ProofRequest {
 struct ProvenResult {
   Figure figure;
   ProvenMaximum maximum;
-  double gap = 0;  ///< that was asked for
 };
 
 struct ControlReport;  // src/report/analysis/control.hpp

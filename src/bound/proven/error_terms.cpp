@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bound/length_errors.hpp"
+#include "bound/signal_errors.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 #include <deque>
 #include <numbers>
 
-#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/chain_bound.hpp"
 #include "bound/proven/kernels.hpp"
 #include "bound/proven/recursion.hpp"
 #include "core/parallel.hpp"

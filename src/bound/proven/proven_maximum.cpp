@@ -10,11 +10,9 @@
 
 #include "bound/linearization_remainder.hpp"
 #include "bound/proven/ascent.hpp"
-#include "bound/proven/branch_and_bound.hpp"
+#include "bound/proven/box_bound.hpp"
 #include "bound/proven/chain_bound.hpp"
 #include "bound/proven/figure_model.hpp"
-#include "bound/proven/reached.hpp"
-#include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
@@ -108,9 +106,14 @@ Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorX
 class Proof {
  public:
   /// @param limit  as in ProofOptions; infinite without one
-  Proof(OperationalModel model, const Figure& figure, const std::vector<Limits>& ranges, double gap,
-        double limit)
-      : model_(std::move(model)), figure_(figure), ranges_(ranges), gap_(gap), limit_(limit) {}
+  Proof(OperationalModel model, const Figure& figure, const std::vector<Limits>& ranges,
+        const ProofOptions& options, double limit)
+      : model_(std::move(model)),
+        figure_(figure),
+        ranges_(ranges),
+        gap_(options.gap),
+        limit_(limit),
+        of_distance_(options.of_distance) {}
 
   ProvenMaximum run(const std::vector<Eigen::VectorXd>& starts) {
     const Signal signal = all_signals(model_)[figure_.signal];
@@ -121,8 +124,8 @@ class Proof {
               starts.front()};
     for (const Eigen::VectorXd& start : starts) consider(terms, start);
     result_.upper = unbounded;
-    if (result_.lower > limit_) return result_;
-    if (std::isfinite(limit_) && result_.lower > 0) gap_ = std::max(gap_, limit_ / result_.lower - 1);
+    if (of_distance_ == 1 && result_.lower > limit_) return result_;
+    widen_gap();
     rounding_ = rounding_allowance(terms, ranges_);
     const std::size_t joints = influential_joints(terms, ranges_);
     constexpr std::size_t few = 4,
@@ -134,6 +137,13 @@ class Proof {
   }
 
  private:
+  void widen_gap() {
+    const bool far = std::isfinite(limit_) && limit_ > 0 && result_.lower > 0;
+    const double distance = far ? std::max(limit_ / result_.lower, result_.lower / limit_) - 1 : 0;
+    gap_ = std::max(gap_, of_distance_ == 1 ? distance : std::min(of_distance_ * distance, 1.0));
+    result_.wanted_gap = gap_;
+  }
+
   /// A bound that is the size of the rounding errors is as low as it can be: that of a figure that is zero.
   bool reached() const { return result_.upper <= std::max(result_.lower * (1 + gap_), 16 * rounding_); }
 
@@ -199,7 +209,7 @@ class Proof {
   OperationalModel model_;
   Figure figure_;
   const std::vector<Limits>& ranges_;
-  double gap_, limit_, rounding_ = 0;
+  double gap_, limit_, of_distance_, rounding_ = 0;
   ProvenMaximum result_;
 };
 
@@ -265,7 +275,8 @@ std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const 
   DoneProofs done(options, jobs.size());
   parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
     starts[i].insert(starts[i].end(), options.starts.begin(), options.starts.end());
-    proven[i] = Proof(models[i], jobs[i], ranges, options.gap, limit_of_job(jobs[i])).run(starts[i]);
+    proven[i] = Proof(models[i], jobs[i], ranges, options, limit_of_job(jobs[i])).run(starts[i]);
+    proven[i].wanted_gap = std::max(proven[i].wanted_gap, options.gap);
     done.add();
   });
 

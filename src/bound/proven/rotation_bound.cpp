@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/chain_bound.hpp"
 #include "bound/proven/recursion.hpp"
 
 namespace qerr {

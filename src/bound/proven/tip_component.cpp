@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "bound/proven/chain_recursions.hpp"
+#include "bound/proven/chain_bound.hpp"
 #include "bound/proven/recursion.hpp"
 
 namespace qerr {

@@ -240,8 +240,8 @@ Analysis analysis_without_warnings(const Spec& spec, EffectReport effects, const
 Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options,
                  const ProofRequest& proofs) {
   Analysis a = analysis_without_warnings(spec, std::move(effects), options);
-  a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
-  if (a.control) append(a.warnings, control_warnings(spec, *a.control));
+  if (options.warnings) a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
+  if (options.warnings && a.control) append(a.warnings, control_warnings(spec, *a.control));
   add_proofs(a, proofs, options.threads);
   return a;
 }

@@ -3,9 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "bound/control/open_torque.hpp"
-#include "bound/control/worst_loop.hpp"
-#include "bound/control/worst_wall.hpp"
+#include "bound/control_bounds.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/figure_names.hpp"

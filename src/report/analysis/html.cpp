@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bound/figure_column.hpp"
-#include "bound/joined_tally.hpp"
+#include "bound/histogram.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "core/text.hpp"

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <map>
 
-#include "bound/proven/reached.hpp"
 #include "core/text.hpp"
+#include "qerr/bound/proven_maximum.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
@@ -43,8 +43,8 @@ std::vector<double> limits_of(const Analysis& a, const std::vector<Figure>& figu
   return limits;
 }
 
-void prove(Analysis& a, const std::vector<Figure>& figures, ProofOptions options, bool verdicts_only) {
-  if (verdicts_only) options.limits = limits_of(a, figures);
+void prove(Analysis& a, const std::vector<Figure>& figures, ProofOptions options) {
+  if (options.of_distance > 0) options.limits = limits_of(a, figures);
   for (const Figure& figure : figures)
     if (const Eigen::VectorXd& at = statistic_of(a.workspace, figure)->at_max; at.size() > 0)
       options.starts.push_back(at);
@@ -57,14 +57,14 @@ void prove(Analysis& a, const std::vector<Figure>& figures, ProofOptions options
     const auto known = std::find_if(a.proofs.begin(), a.proofs.end(),
                                     [&](const ProvenResult& p) { return p.figure == figures[i]; });
     if (known == a.proofs.end())
-      a.proofs.push_back({figures[i], std::move(maximum), options.gap});
+      a.proofs.push_back({figures[i], std::move(maximum)});
     else
-      *known = {figures[i], std::move(maximum), options.gap};
+      *known = {figures[i], std::move(maximum)};
   }
 }
 
 /// Repeats the proofs of figures whose requirements are undecided.
-void refine(Analysis& a, ProofOptions options, bool verdicts_only) {
+void refine(Analysis& a, ProofOptions options) {
   std::map<Figure, double> gaps;
   for (const Requirement& r : a.spec.requirements) {
     if (!r.proven) continue;
@@ -78,7 +78,7 @@ void refine(Analysis& a, ProofOptions options, bool verdicts_only) {
   for (const auto& [figure, gap] : gaps) {
     options.gap = gap;
     options.starts = {find_proof(a, figure)->at};
-    prove(a, {figure}, options, verdicts_only);
+    prove(a, {figure}, options);
   }
 }
 
@@ -96,7 +96,7 @@ void warn_of_gaps(Analysis& a) {
   std::vector<std::string> wide, unbounded;
   for (const ProvenResult& proof : a.proofs) {
     const double gap = proof.maximum.gap();
-    if (!(gap > proof.gap) || is_zero(a, proof)) continue;
+    if (!(gap > proof.maximum.wanted_gap) || is_zero(a, proof)) continue;
     if (std::isinf(proof.maximum.upper))
       unbounded.push_back(name_of(a.spec, proof.figure).quantity());
     else
@@ -159,10 +159,11 @@ void add_proofs(Analysis& a, const ProofRequest& request, unsigned threads) {
   const ProofOptions options{.gap = request.gap,
                              .threads = threads,
                              .progress = request.progress,
-                             .noise_in_motion = a.noise_in_motion};
-  prove(a, figures, options, request.verdicts_only);
-  refine(a, options, request.verdicts_only);
-  if (!request.verdicts_only) warn_of_gaps(a);
+                             .noise_in_motion = a.noise_in_motion,
+                             .of_distance = request.of_distance};
+  prove(a, figures, options);
+  refine(a, options);
+  if (request.of_distance < 1) warn_of_gaps(a);
 }
 
 std::string proof_table(const Analysis& a, const Style& style) {

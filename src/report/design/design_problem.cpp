@@ -196,7 +196,7 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
   Spec spec = variant(choice, set);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
     if (spec.requirements[i].limits_error()) spec.requirements[i].limit = (*limits)[i];
-  if (any_proven_) return evaluate(spec, workspace_, {.verdicts_only = limits != nullptr}).results;
+  if (any_proven_) return evaluate(spec, workspace_, {.of_distance = limits ? 1.0 : 0.0}).results;
   // Without the warnings of `analyze`, which take longer than the figures.
   WorkspaceOptions options = workspace_;
   if (needs_motion_noise_) options.noise_in_motion = noise_in_motion(spec, options.threads);

@@ -39,10 +39,10 @@ bool failed(SweptVariant& v, Evaluate evaluate) {
   }
 }
 
-/// Building columns takes the time of about 30 variants.
-constexpr std::uint64_t fewest_sharing = 64;
-/// Bytes of the columns of one robot, in double and float.
-constexpr double most_memory = 4e8, memory_of_number = 24;
+/// Building columns takes the time of about 2 variants, or 20 where frames are needed (ErrorColumns).
+constexpr std::uint64_t fewest_sharing = 8;
+/// Bytes of the columns of one robot.
+constexpr double most_memory = 4e8;
 /// Variants that are tried to find one that can be read.
 constexpr std::uint64_t most_tried = 100;
 
@@ -118,8 +118,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
     const double numbers = static_cast<double>(size(spec->configurations)) *
                            static_cast<double>(spec->model.coordinates.size()) *
                            static_cast<double>(spec->model.transmission.encoders.size() + places.size());
-    if (numbers * memory_of_number > most_memory || !have_columns(spec->model, spec->configurations, wanted_))
-      break;
+    if (numbers * sizeof(double) > most_memory || !have_columns(spec->model)) break;
     result->columns = std::make_unique<ErrorColumns>(spec->model, places, spec->configurations, threads_);
     result->statistics = std::make_unique<ColumnStatistics>(*result->columns, wanted_, threads_);
     break;
@@ -148,7 +147,7 @@ SweptVariant ColumnSweep::evaluated(std::uint64_t variant, const WorkspaceOption
         SpecCheck{unbounded_analysis(spec, std::move(effects), noise_in_motion(spec, options.threads)), {}});
     Analysis& a = v.check->analysis;
     const OperationalModel& model = a.spec.model;
-    if (shared && shared->columns && have_columns(model, a.spec.configurations, wanted_) &&
+    if (shared && shared->columns && have_columns(model) &&
         std::all_of(model.sources.begin(), model.sources.end(),
                     [&](const IndependentError& s) { return shared->columns->has_column(s); }))
       return;

@@ -27,9 +27,9 @@ struct SweptVariant {
 
 /// Evaluates variants of a sweep many at a time. Where only encoders, gears, filters, effects, motions and
 /// requirements vary, they share the columns of the Jacobian: a variant costs a matrix product in place of
-/// the kinematics at all configurations, about a tenth of an `analyze`.
+/// the kinematics at all configurations, a quarter of an `analyze` with all statistics.
 ///
-/// Variants share columns if the last axes of the sweep are of this kind and have at least 64 combinations.
+/// Variants share columns if the last axes of the sweep are of this kind and have at least 8 combinations.
 /// The others, and those that `have_columns` excludes, are evaluated by `analyze`. Which one it is depends on
 /// the spec alone, so that the result does not depend on threads or shards.
 class ColumnSweep {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bound/error_plan.hpp"
+#include "bound/batched_error.hpp"
 #include "counted.hpp"
 #include "kinematics/batched_jacobian.hpp"
 #include "kinematics/folded_chain.hpp"

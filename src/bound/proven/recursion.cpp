@@ -1,4 +1,4 @@
-#include "bound/proven/direction_grid.hpp"
+#include "bound/proven/recursion.hpp"
 
 #include <algorithm>
 #include <cmath>
