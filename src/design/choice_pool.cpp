@@ -1,5 +1,3 @@
-#include "design/encoder_choice.hpp"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <numeric>
 
 #include "core/statistics.hpp"
+#include "design/encoder_choice.hpp"
 
 namespace qerr {
 

@@ -1,8 +1,7 @@
-#include "report/rows.hpp"
-
 #include <gtest/gtest.h>
 
 #include "input/csv.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 namespace {

@@ -1,3 +1,5 @@
+#include "report/analysis/robot_figures.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,11 +8,10 @@
 
 #include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "report/analysis/robot_figures.hpp"
-#include "report/rows.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 

@@ -1,5 +1,3 @@
-#include "report/design/design_solver.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +9,7 @@
 #include "qerr/filter/norms.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/design/design_solver.hpp"
 
 namespace qerr {
 

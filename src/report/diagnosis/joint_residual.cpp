@@ -8,9 +8,9 @@
 #include "core/parallel.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "report/rows.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/fourier.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 

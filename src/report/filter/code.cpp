@@ -1,5 +1,3 @@
-#include "qerr/report/filter_report.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 #include "filter/norms/recursion_error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/family.hpp"
+#include "qerr/report/filter_report.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
