@@ -22,7 +22,9 @@ int run(const Values& v) {
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options = workspace_options(v);
-  options.warnings = caller() || !v.given("quiet") || chosen_format(v) == "html";
+  // JSON and pages list them, whatever is printed.
+  const std::string in = chosen_format(v);
+  options.warnings = caller() || !v.given("quiet") || in == "html" || in == "json";
   ExceedanceCounter counter(spec, limits);
   if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "effect/effects/effects.hpp"
 #include "input/extended_filters.hpp"
 #include "input/moved_paths.hpp"
 #include "input/override.hpp"
@@ -39,14 +40,15 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
   return node;
 }
 
-bool is_tool(const Effect& effect) { return effect.type == "tool"; }
+bool is_tool(const Effect& effect) { return effect.type == tool_effect().name; }
 
 /// Moves robot.tool to the point that was tracked, which is found in the axes of the tip.
 void move_tool(Node& root, const Effect& found) {
   Node* robot = root.find("robot");
   if (!robot || robot->type != Node::Type::mapping) return;
-  if (!robot->find("tool")) robot->entries.push_back({{"tool", {}}, mapping_node({})});
-  Node& tool = *robot->find("tool");
+  const std::string key = found.type;  // robot.tool
+  if (!robot->find(key)) robot->entries.push_back({{key, {}}, mapping_node({})});
+  Node& tool = *robot->find(key);
   const Eigen::Vector3d xyz = read_tool(Field{&tool, "robot.tool"}) *
                               Eigen::Vector3d(found.number("x"), found.number("y"), found.number("z"));
   Node list{Node::Type::sequence, {}, {}, false, {}, {}};

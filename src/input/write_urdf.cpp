@@ -11,6 +11,7 @@
 #include "input/urdf_outline.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/input/first_spec.hpp"
 
 namespace qerr {
@@ -83,7 +84,7 @@ std::string urdf_as_built(const Spec& spec, const std::vector<Effect>& found) {
   std::map<std::string, Eigen::Vector3d> moved;
   for (const std::vector<Effect>* effects : {&spec.effects, &found})
     for (const Effect& e : *effects)
-      if (e.type == "geometry") {
+      if (effect_kind(e.type).stage == Stage::kinematics) {
         const auto place = moved.try_emplace(e.joint, Eigen::Vector3d::Zero()).first;
         place->second += e.number("length") * displacement_direction(e);
       }

@@ -95,7 +95,7 @@ def check_progress(t, qerr):
         # One thread: the time until there is something to show does not depend on the number of cores.
         one = ["--threads", "1"]
         for noun, words in (("configurations", ["analyze", arm, *one, "--set", "configurations.count=12000000"]),
-                            ("variants", ["sweep", arm, *one, "--set", "sweep=[{key: configurations.seed, from: 1, to: 80, count: 80}]"]),
+                            ("variants", ["sweep", arm, *one, "--set", "sweep=[{key: configurations.seed, from: 1, to: 400, count: 400}]"]),
                             ("samples", ["simulate", spec, *one, "--runs", "1500"]), ("bytes", ["diagnose", spec, log])):
             text, code = on_terminal(qerr, words, 80)
             steps = re.findall(rf"\r(\d+) % of [\d.]+ [kMG]? ?{noun}, [\d.]+ [kMG]?/s, [\dhdaysmin ]+ left\x1b\[K", text)

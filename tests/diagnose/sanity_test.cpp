@@ -197,12 +197,13 @@ TEST(Diagnosis, ReportsMissedCountsOfTheCounterBehindAReversedGear) {
     OperationalModel model = model_of(m);
     model.transmission.encoders[0].shaft_ratio = -1;
     const double missed = (seed % 2 == 0 ? 4 : -6), half = m.time[m.rows / 2];
-    Column counts = -m.counted(m.path);
-    for (Eigen::Index k = m.rows / 2; k < counts.size(); ++k) counts[k] += missed;
+    Column counts = m.counted(m.path);  // of a log, rising with the joint
+    for (Eigen::Index k = m.rows / 2; k < counts.size(); ++k) counts[k] -= missed;
     const Diagnosis d = diagnose(model, {}, {}, log_of(m, counts));
-    ASSERT_EQ(d.causes.size(), 1u) << "seed " << seed;
+    ASSERT_EQ(d.causes.size(), 1u) << "seed " << seed << ": " << d.causes[0].effect.type << ", "
+                                   << d.causes[1].effect.type;
     EXPECT_EQ(d.causes[0].effect.type, "missed_counts") << seed;
-    EXPECT_EQ(d.causes[0].effect.number("counts"), missed) << seed;
+    EXPECT_NEAR(d.causes[0].effect.number("counts"), missed, 0.1) << seed;
     EXPECT_NEAR(d.causes[0].effect.number("time"), half, 0.1) << seed;
   }
 }

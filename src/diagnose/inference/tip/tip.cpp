@@ -327,7 +327,9 @@ std::vector<Eigen::Index> far_off(const TipEvidence& e, const Eigen::ArrayXd& di
       std::max(factor * median({distance.begin(), distance.end()}), floor * e.log_resolution);
   std::vector<Eigen::Index> rows;
   Eigen::Index longest = 0, run = 0;
-  for (Eigen::Index k = 0; k < distance.size(); ++k) {
+  // At the ends of a motion what lies beyond them is missing: the path, and what is late.
+  const Eigen::Index end = e.ordered ? std::min<Eigen::Index>(5, distance.size() / 10) : 0;
+  for (Eigen::Index k = end; k < distance.size() - end; ++k) {
     run = distance[k] > limit ? run + 1 : 0;
     longest = std::max(longest, run);
     if (run > 0) rows.push_back(k);

@@ -68,7 +68,8 @@ Shift largest_shift(const Eigen::MatrixXd& left) {
   const Eigen::MatrixXd centred = left.rowwise() - left.colwise().mean();
   const double whole = centred.squaredNorm(), n = static_cast<double>(left.rows());
   Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(left.cols());
-  Shift best;
+  Shift best{0, Eigen::RowVectorXd::Zero(left.cols()), 0};
+  if (!(whole > 0)) return best;
   for (Eigen::Index k = 1; k < left.rows(); ++k) {
     before += centred.row(k - 1);
     const double rows = static_cast<double>(k), both = rows * (n - rows) / n;

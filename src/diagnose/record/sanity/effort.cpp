@@ -370,7 +370,7 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
                       DataKind::contradictory});
   }
   const std::string force = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
-  if (parts.factor == 0 && head.unit != force)
+  if (parts.factor == 0 && (head.unit == "A" || head.unit == "1"))
     s.data.push_back({head.header + ": no masses tell what 1 " + head.unit + " is in " + force +
                           ": a compliance of " + s.model.chain.independent[joint].name + " is per " +
                           head.unit + " here",
