@@ -40,7 +40,7 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   return limits;
 }
 
-/// Of a joint that must have limits: the spec's, or the URDF's.
+/// The fault of a joint that has limits neither in the URDF nor in the spec.
 Fault no_limits(const RobotModel& robot, const IndependentJoint& joint) {
   const std::string in_spec = "configurations: {limits: {" + joint.name + ": " +
                               (joint.prismatic() ? "[0, 500 mm]" : "[-180 deg, 180 deg]") + "}}";

@@ -48,7 +48,7 @@ std::string displaced(const std::string& numbers, const Eigen::Vector3d& by) {
 void displace(std::string& text, const UrdfElement& joint, const Eigen::Vector3d& by) {
   const UrdfElement* origin = joint.child("origin");
   const UrdfAttribute* xyz = origin ? origin->attribute("xyz") : nullptr;
-  std::size_t tag =
+  const std::size_t tag =
       offset_of(text, origin ? origin->line : joint.line, origin ? origin->column : joint.column);
   const std::string moved = displaced(xyz ? xyz->value : "0 0 0", by);
   if (xyz) {

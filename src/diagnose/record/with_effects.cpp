@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -29,9 +30,9 @@ struct SignalPath {
 
   void act(const Effect& effect) {
     const EffectKind& kind = effect_kind(effect.type);
-    if (const auto of = effect.choices.find("of"); of != effect.choices.end()) {
+    if (effect.type == coupling_error_effect().name) {
       for (const Evidence* other : e.others)
-        if (other->joint == of->second) signal += effect.number("factor") * other->path;
+        if (other->joint == effect.choices.at("of")) signal += effect.number("factor") * other->path;
       return;
     }
     if (kind.replay) {

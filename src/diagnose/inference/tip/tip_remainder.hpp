@@ -7,14 +7,16 @@
 
 namespace qerr {
 
-/// What a fit at the tip leaves that is neither quantization nor white noise: a line of a frequency, or a
-/// slow change, in the order of the rows.
+/// What a fit at the tip leaves that is neither quantization nor white noise: a step, a line of a frequency,
+/// or a slow change, in the order of the rows; poses without stamps are in the order in which they were
+/// taken.
 ///
 /// The periodograms of the remainder's coordinates are compared with those of `TipModel::surrogates` plus
-/// white noise of the fitted sigma, in windows of 4 and of 40 independent frequencies. A window is reported
-/// if its power exceeds that of every window of every surrogate by half, and is 5 % of the whole at least.
+/// white noise of the fitted sigma, in windows of 4 and of 40 independent frequencies, and its largest shift
+/// of the mean with theirs. A window or a shift is reported if it exceeds that of every surrogate by half,
+/// and is 5 % of the variance at least; a shift, where no window is left without it.
 /// @param left  of the fit, rows x logged coordinates [m]
-/// @returns at most one; none of rows without an order
+/// @returns at most one; none of fewer than 24 rows
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
 /// One displacement of the tracker, or of the target in the axes of the tip, from one row on, where it alone
