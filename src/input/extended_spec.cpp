@@ -40,28 +40,45 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
   return node;
 }
 
-bool is_tool(const Effect& effect) { return effect.type == tool_effect().name; }
+/// Key of `robot` that states a displaced tool or tracker; "" for an effect.
+std::string pose_key(const Effect& effect) {
+  if (effect.type == tool_effect().name) return "tool";
+  return effect.type == frame_effect().name ? "tracker" : "";
+}
 
-/// Moves robot.tool to the point that was tracked, which is found in the axes of the tip.
-void move_tool(Node& root, const Effect& found) {
-  Node* robot = root.find("robot");
-  if (!robot || robot->type != Node::Type::mapping) return;
-  const std::string key = found.type;  // robot.tool
-  if (!robot->find(key)) robot->entries.push_back({{key, {}}, mapping_node({})});
-  Node& tool = *robot->find(key);
-  const Eigen::Vector3d xyz = read_tool(Field{&tool, "robot.tool"}) *
-                              Eigen::Vector3d(found.number("x"), found.number("y"), found.number("z"));
+void set_three(Node& pose, const std::string& key, const Eigen::Vector3d& value) {
   Node list{Node::Type::sequence, {}, {}, false, {}, {}};
-  for (const double length : xyz) list.items.push_back(scalar_node(shortest(length)));
-  if (Node* present = tool.find("xyz"))
+  for (const double number : value) list.items.push_back(scalar_node(shortest(number)));
+  if (Node* present = pose.find(key))
     *present = std::move(list);
   else
-    tool.entries.push_back({{"xyz", {}}, std::move(list)});
+    pose.entries.push_back({{key, {}}, std::move(list)});
+}
+
+/// Moves robot.tool to the point that was tracked, which is found in the axes of the tip, or robot.tracker to
+/// the frame that was found in the axes of the stated one.
+void move_pose(Node& root, const std::string& key, const Effect& found) {
+  Node* robot = root.find("robot");
+  if (!robot || robot->type != Node::Type::mapping) return;
+  if (!robot->find(key)) robot->entries.push_back({{key, {}}, mapping_node({})});
+  Node& stated = *robot->find(key);
+  Eigen::Isometry3d pose = read_pose(Field{&stated, "robot." + key});
+  const Eigen::Vector3d xyz(found.number("x"), found.number("y"), found.number("z"));
+  if (key == "tool") {
+    set_three(stated, "xyz", pose * xyz);
+    return;
+  }
+  const Eigen::Vector3d turn(found.number("rx"), found.number("ry"), found.number("rz"));
+  Eigen::Isometry3d moved = Eigen::Translation3d(xyz) * Eigen::Isometry3d::Identity();
+  if (turn.norm() > 0) moved.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  pose = moved * pose;
+  set_three(stated, "xyz", pose.translation());
+  set_three(stated, "rpy", roll_pitch_yaw(pose.linear()));
 }
 
 /// Why an effect cannot be written into a spec; "" if it can.
 std::string obstacle(const Effect& effect) {
-  if (!find_kind(effect.type) && !is_tool(effect)) return "not an effect that can be simulated";
+  if (!find_kind(effect.type) && pose_key(effect).empty()) return "not an effect that can be simulated";
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
@@ -146,11 +163,11 @@ class Extension {
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
     bool first = true;
-    std::string of_tool;
+    std::string of_poses;
     for (const AddedEffect& added : effects) {
-      if (is_tool(added.effect)) {
-        move_tool(root, added.effect);
-        of_tool += comment_lines("robot.tool: " + added.note);
+      if (const std::string key = pose_key(added.effect); !key.empty()) {
+        move_pose(root, key, added.effect);
+        of_poses += comment_lines("robot." + key + ": " + added.note);
         continue;
       }
       if (!root.find("effects"))
@@ -162,7 +179,7 @@ class Extension {
     std::string out = rewritten(spec_.text, root, spec_.file);
     if (!out.ends_with('\n')) out += '\n';
     if (first) out += comment_lines(remarks_);
-    return out + of_tool + omitted_;
+    return out + of_poses + omitted_;
   }
 
   const Spec& spec_;

@@ -8,6 +8,7 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
+#include "input/log_columns.hpp"
 #include "input/log_table.hpp"
 #include "qerr/core/quantity.hpp"
 
@@ -84,6 +85,22 @@ Unit column_unit(const LogHeader& column, const std::string& joint, Dimension di
   return *read;
 }
 
+/// Columns of efforts and temperatures of the joints; their places are added to the others.
+std::vector<LogColumn> load_columns(const LogTable& table, const Chain& chain,
+                                    std::vector<std::size_t>& places) {
+  std::vector<LogColumn> loads;
+  for (std::size_t i = 0; i < table.header().size(); ++i)
+    for (std::size_t j = 0; j < chain.independent.size(); ++j)
+      for (const LogSignal signal : {LogSignal::effort, LogSignal::temperature}) {
+        const LogHeader& header = table.header()[i];
+        const std::string_view name = signal == LogSignal::effort ? ".effort" : ".temperature";
+        if (header.meaning.signal != chain.independent[j].name + std::string(name)) continue;
+        loads.push_back(column_of(header, signal, j, chain));
+        places.push_back(i);
+      }
+  return loads;
+}
+
 }  // namespace
 
 bool inside(double value, const Limits& limits) {
@@ -115,12 +132,14 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
     columns.push_back(find_column(table, joint.name));
     units.push_back(column_unit(table.header()[columns.back()], joint.name, coordinate_dimension(joint)));
   }
+  const std::vector<LogColumn> loads =
+      has_time ? load_columns(table, chain, columns) : std::vector<LogColumn>{};
   table.choose(columns, std::vector(columns.size(), Joining::held));
   if (table.header().size() > columns.size())
     warnings.push_back(table.file() + ": columns that are not joints of the chain are ignored");
 
-  JointTable result{table.file(), {}, {}, {}};
-  std::vector<double> row(columns.size()), positions;
+  JointTable result{table.file(), {}, {}, {}, {}, {}};
+  std::vector<double> row(columns.size()), positions, load_values;
   while (table.next(row.data(), 1)) {
     if (has_time && !result.time.empty() && !(row[0] > result.time.back()))
       throw Error({table.last_line(), "time", "time must increase from row to row",
@@ -128,6 +147,8 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
                    "sort the rows and keep one per instant"});
     if (has_time) result.time.push_back(row[0]);
     for (std::size_t i = 0; i < units.size(); ++i) positions.push_back(units[i].in_si(row[has_time + i]));
+    for (std::size_t i = 0; i < loads.size(); ++i)
+      load_values.push_back(loads[i].scale.in_si(row[has_time + units.size() + i]));
     result.lines.push_back(table.last_line().line);
   }
   for (std::string& warning : table.warnings()) warnings.push_back(std::move(warning));
@@ -146,6 +167,12 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
   result.positions =
       Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
                                         static_cast<Eigen::Index>(result.lines.size()));
+  for (auto* signals : {&result.efforts, &result.temperatures}) signals->resize(chain.independent.size());
+  const Eigen::Map<const Eigen::MatrixXd> by_row(load_values.data(), static_cast<Eigen::Index>(loads.size()),
+                                                 static_cast<Eigen::Index>(result.lines.size()));
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    (loads[i].signal == LogSignal::effort ? result.efforts : result.temperatures)[loads[i].index] = {
+        loads[i].unit, by_row.row(static_cast<Eigen::Index>(i))};
   return result;
 }
 

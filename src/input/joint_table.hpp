@@ -13,9 +13,10 @@ namespace qerr {
 /// them.
 struct JointTable {
   std::string path;
-  std::vector<double> time;   ///< `time [s]`; empty without TimeColumn::required
-  Eigen::MatrixXd positions;  ///< independent joints x rows [rad or m]
-  std::vector<int> lines;     ///< line of each row, from 1
+  std::vector<double> time;                           ///< `time [s]`; empty without TimeColumn::required
+  Eigen::MatrixXd positions;                          ///< independent joints x rows [rad or m]
+  std::vector<RecordedSignal> efforts, temperatures;  ///< of every independent joint, with a time alone
+  std::vector<int> lines;                             ///< line of each row, from 1
 };
 
 /// Whether a table must have a `time` column that increases.

@@ -43,10 +43,10 @@ std::vector<KnownColumn> known_columns(const Chain& chain) {
   return known;
 }
 
-Dimension dimension_of(const KnownColumn& column, const Chain& chain) {
-  const bool prismatic = column.signal != LogSignal::time && column.signal != LogSignal::tip &&
-                         chain.independent[column.index].prismatic();
-  switch (column.signal) {
+Dimension dimension_of(LogSignal signal, std::size_t index, const Chain& chain) {
+  const bool prismatic =
+      signal != LogSignal::time && signal != LogSignal::tip && chain.independent[index].prismatic();
+  switch (signal) {
     case LogSignal::time:
       return dimension::time;
     case LogSignal::counts:
@@ -94,6 +94,16 @@ void read_unit(LogColumn& column, const Dimension& dimension, const std::string&
                  "use " + expected + (others.empty() ? " or a unit of that kind" : others)});
   column.scale = *read;
 }
+
+}  // namespace
+
+LogColumn column_of(const LogHeader& header, LogSignal signal, std::size_t index, const Chain& chain) {
+  LogColumn column{signal, index, header.text, {}, {}, {}, {}};
+  read_unit(column, dimension_of(signal, index, chain), header.meaning.unit, header.place);
+  return column;
+}
+
+namespace {
 
 /// " (did you mean 'X'?)" for the nearest known column; "" if none is near.
 std::string hint(const std::string& name, const std::vector<std::string>& known) {
@@ -164,8 +174,7 @@ class ColumnFinder {
         throw duplicate(table_.header()[found_.places[k]], header);
     const bool position = known.signal == LogSignal::measured || known.signal == LogSignal::reference;
     if (meaning.unit.empty() && position) refuse_counts(header, i, known);
-    LogColumn column{known.signal, known.index, header.text, {}, {}, {}, {}};
-    read_unit(column, dimension_of(known, spec_.model.chain), meaning.unit, header.place);
+    const LogColumn column = column_of(header, known.signal, known.index, spec_.model.chain);
     if (meaning.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
       unitless_ += (unitless_.empty() ? "'" : ", '") + header.text + "'";
     else if (known.signal != LogSignal::time && !meaning.mapped && !meaning.unit.empty() &&
@@ -181,7 +190,7 @@ class ColumnFinder {
       if (!header.text.starts_with(names_[k]) || header.text.size() == names_[k].size()) continue;
       const std::string behind(trimmed(std::string_view(header.text).substr(names_[k].size())));
       if (!behind.starts_with('(') && !behind.starts_with('[')) continue;
-      const std::string unit = unit_name(dimension_of(known_[k], spec_.model.chain));
+      const std::string unit = unit_name(dimension_of(known_[k].signal, known_[k].index, spec_.model.chain));
       throw Error({header.place, header.text, "unknown unit", quoted(behind),
                    "such as [" + unit + "], or what one step is: [0.001 " + unit + ']'});
     }
@@ -197,7 +206,7 @@ class ColumnFinder {
       far += std::abs(*value) > farthest;
     }
     if (far == 0) return;
-    const Dimension d = dimension_of(known, spec_.model.chain);
+    const Dimension d = dimension_of(known.signal, known.index, spec_.model.chain);
     throw Error({header.place, header.text,
                  "whole numbers beyond 1000 " + unit_name(d) + " without a unit: are they counts?", "",
                  "write what one of them is behind the name: '" + header.text +

@@ -18,6 +18,10 @@ struct LogColumns {
 /// @throws Error (input) like LogReader for headers
 LogColumns find_log_columns(const LogTable&, const Spec&, std::vector<std::string>& warnings);
 
+/// A column of a log by its header, with the unit in which it is read.
+/// @throws Error (input) for a unit that the signal cannot have
+LogColumn column_of(const LogHeader&, LogSignal, std::size_t index, const Chain&);
+
 /// The unit of a column of time stamps, seconds for "".
 /// @throws Error (input) if it is no unit of time
 Unit time_unit(const std::string& unit, const std::string& header, const Place&);

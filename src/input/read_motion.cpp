@@ -189,7 +189,7 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
 void read_table(const Field& f, const std::string& path, Spec& spec, Motion& motion) {
   const JointTable table = read_joint_table(path, spec, TimeColumn::required, spec.warnings);
   motion.file = path;
-  motion.table = {table.time, table.positions};
+  motion.table = {table.time, table.positions, table.efforts, table.temperatures};
   if (table.time.size() < 2)
     throw Error(
         {{path, table.lines.front(), 1}, "time", "a motion must have at least two rows", "one row", ""});

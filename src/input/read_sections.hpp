@@ -43,8 +43,11 @@ Limits read_limits_of_joint(const Field&, bool prismatic);
 /// @param convention  standard, modified, or empty: standard, with a warning where it looks like the other
 RobotModel read_dh(const Field&, const std::string& convention, const std::string& file,
                    std::vector<std::string>& warnings);
-/// The pose of the tool in the tip link.
-Eigen::Isometry3d read_tool(const Field&);
+/// A pose, {xyz, rpy}.
+Eigen::Isometry3d read_pose(const Field&);
+
+/// Roll, pitch and yaw of a rotation R_z(yaw) R_y(pitch) R_x(roll); at the gimbal lock roll is 0.
+Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d&);
 /// The remedy of a coordinate without its tip. @pre the model has several tips
 std::string of_which_tip(const OperationalModel&, const std::string& coordinate);
 /// Adds a length, and those of its components that are missing.

@@ -97,6 +97,9 @@ const std::vector<Parameter>& robot() {
        .meaning = "several tips in place of one, {left: LINK, right: LINK}: coordinates are left.x, and "
                   "right-left.x for one relative to the other, in the axes of the other"},
       {.name = "tool", .kind = Kind::object, .meaning = "moves the tip: its pose in the tip link"},
+      {.name = "tracker",
+       .kind = Kind::object,
+       .meaning = "of a log's tip.x, tip.y and tip.z: the pose of the base in the frame of the tracker"},
   };
   return rows;
 }
@@ -149,12 +152,12 @@ const std::vector<Parameter>& dh_row() {
   return rows;
 }
 
-const std::vector<Parameter>& tool() {
+const std::vector<Parameter>& pose() {
   static const std::vector<Parameter> rows{
       {.name = "xyz",
        .kind = Kind::numbers,
        .dimension = dimension::length,
-       .meaning = "of the tool's point, such as [0, 0, 120 mm]; default: 0"},
+       .meaning = "of its origin, such as [0, 0, 120 mm]; default: 0"},
       {.name = "rpy",
        .kind = Kind::numbers,
        .dimension = dimension::angle,

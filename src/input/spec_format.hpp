@@ -15,7 +15,7 @@ namespace spec_format {
 
 const std::vector<Parameter>& top();
 const std::vector<Parameter>& robot();
-const std::vector<Parameter>& tool();
+const std::vector<Parameter>& pose();
 const std::vector<Parameter>& joint();
 const std::vector<Parameter>& dh_row();
 const std::vector<Parameter>& filter();

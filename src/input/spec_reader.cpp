@@ -358,14 +358,15 @@ void SpecReader::read_chain(const Field& f) {
     } catch (const Error& e) {
       throw placed_in_spec(e, f);
     }
-    if (o.has("tool")) spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_tool(o.at("tool"));
+    if (o.has("tool")) spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_pose(o.at("tool"));
+    if (o.has("tracker")) spec_.model.chain.tracker = read_pose(o.at("tracker"));
     warn_about_units(spec_.model.chain, spec_.warnings);
   });
 }
 
 /// Names of tips are parts of `left.x` and `right-left.x`.
 void SpecReader::read_tips(const Object& robot) {
-  for (const char* key : {"tip", "tool"})
+  for (const char* key : {"tip", "tool", "tracker"})
     if (robot.has(key))
       throw Error(robot.at(key).fault("a robot of several tips has 'tips' alone",
                                       "leave it out; a tool may be a fixed link of the URDF"));

@@ -310,4 +310,8 @@ Eigen::Isometry3d forward_kinematics(const Chain& chain, const Eigen::VectorXd& 
   return pose * chain.tip_offset;
 }
 
+Eigen::Isometry3d tracked_tip(const Chain& chain, const Eigen::VectorXd& q) {
+  return chain.tracker * forward_kinematics(chain, q);
+}
+
 }  // namespace qerr

@@ -221,8 +221,8 @@ Json wall() {
   return s;
 }
 
-Json tool() {
-  Json s = object_of(spec_format::tool());
+Json pose() {
+  Json s = object_of(spec_format::pose());
   for (const char* key : {"xyz", "rpy"})
     s["properties"][key]["minItems"] = s["properties"][key]["maxItems"] = 3;
   return s;
@@ -239,7 +239,7 @@ std::string json_schema() {
   for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
   for (const SignalKind& kind : signal_kinds()) names.push_back(kind.group);
   Json robot = object_of(spec_format::robot());
-  refine(robot, "tool", tool());
+  for (const char* key : {"tool", "tracker"}) refine(robot, key, pose());
   refine(robot, "tips", schema::map({{"type", "string"}}));
   refine(robot, "joint", object_of(spec_format::joint()));
   refine(robot, "dh", non_empty_list_of(object_of(spec_format::dh_row())));

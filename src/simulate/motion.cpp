@@ -183,6 +183,21 @@ JointState MotionPath::of_table(std::size_t joint, double time) const {
           (m0 + s * (2 * square + 3 * s * cube)) / h, (2 * square + 6 * s * cube) / (h * h)};
 }
 
+double MotionPath::along(const RecordedSignal& signal, double time) const {
+  const std::vector<double>& t = motion_.table.time;
+  const double row_time = std::clamp(t.front() + time, t.front(), t.back());
+  const auto next = std::upper_bound(t.begin(), t.end(), row_time);
+  if (next == t.end()) return signal.values[signal.values.size() - 1];
+  const Eigen::Index i = next - t.begin();
+  const double part = (row_time - *(next - 1)) / (*next - *(next - 1));
+  return signal.values[i - 1] + part * (signal.values[i] - signal.values[i - 1]);
+}
+
+bool states_any(const std::vector<RecordedSignal>& signals) {
+  return std::any_of(signals.begin(), signals.end(),
+                     [](const RecordedSignal& s) { return s.values.size() > 0; });
+}
+
 JointState MotionPath::at(std::size_t joint, double time) const {
   if (motion_.joints.empty()) return of_table(joint, time);
   const JointMotion& m = motion_.joints[joint];

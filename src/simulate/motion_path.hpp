@@ -52,6 +52,10 @@ class MotionPath {
 
   std::size_t joints() const { return count_; }
 
+  /// A signal of the table, interpolated linearly.
+  double along(const RecordedSignal&, double time) const;
+  const MotionTable& table() const { return motion_.table; }
+
  private:
   /// position + velocity s + acceleration s^2/2 + jerk s^3/6, s = time - start.
   struct Phase {

@@ -46,7 +46,9 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       to_encoders_(model.transmission.coupling.inverse()),
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),
-      effort_(has_masses(built_) && (options.effort || needs_effort(effects))),
+      masses_(has_masses(built_)),
+      effort_((masses_ || states_any(motion.table.efforts)) && (options.effort || needs_effort(effects))),
+      temperature_(states_any(motion.table.temperatures)),
       rounds_(options.rounds),
       mean_rounding_(mean_errors(model.transmission)),
       set_(set) {
@@ -99,13 +101,30 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
                              &reading_.estimate, &reading_.logged, &reading_.reference})
     v->resize(static_cast<Eigen::Index>(n));
   if (effort_) reading_.effort.resize(static_cast<Eigen::Index>(n));
+  if (temperature_) reading_.temperature_rise.setZero(static_cast<Eigen::Index>(n));
 }
 
 double Sensing::position(std::size_t joint, double time) const {
   return path_.path().position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
 }
 
+/// As the motion states them; of other joints by the masses, 0 without any.
 Eigen::VectorXd Sensing::effort(double time) const {
+  const auto n = static_cast<Eigen::Index>(actions_.size());
+  const std::vector<RecordedSignal>& stated = path_.path().table().efforts;
+  Eigen::VectorXd efforts = masses_ ? dynamic_effort(time) : Eigen::VectorXd::Zero(n).eval();
+  for (std::size_t i = 0; i < stated.size(); ++i)
+    if (stated[i].values.size() > 0)
+      efforts[static_cast<Eigen::Index>(i)] = path_.path().along(stated[i], time);
+  return efforts;
+}
+
+double Sensing::temperature_rise(std::size_t joint, double time) const {
+  const RecordedSignal& recorded = path_.path().table().temperatures[joint];
+  return recorded.values.size() > 0 ? path_.path().along(recorded, time) - recorded.values[0] : 0;
+}
+
+Eigen::VectorXd Sensing::dynamic_effort(double time) const {
   const auto n = static_cast<Eigen::Index>(actions_.size());
   Eigen::VectorXd q(n), velocity(n), acceleration(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -119,7 +138,8 @@ Eigen::VectorXd Sensing::effort(double time) const {
 
 Moment Sensing::moment(std::size_t joint, std::size_t i) const {
   const std::size_t k = joint * batch_size + i;
-  return {batch_.first + i, batch_.time[i], joint_[k], effort_ ? efforts_[k] : 0, 0};
+  const double rise = temperature_ ? temperature_rise(joint, batch_.time[i]) : 0;
+  return {batch_.first + i, batch_.time[i], joint_[k], effort_ ? efforts_[k] : 0, rise};
 }
 
 /// The joint position that reaches the encoder shaft: at the instant of its clock, after link and gear.
@@ -241,11 +261,12 @@ Reading& Sensing::reading(std::size_t i) {
     r.estimate[row] = batch_.estimate[k];
     if (effort_) r.effort[row] = efforts_[k];
     Moment m = moment(j, i);
+    if (temperature_) r.temperature_rise[row] = m.temperature_rise;
     m.effort = 0;
     r.logged[row] = through(actions_[j].log, r.estimate[row], m);
     r.reference[row] = through(actions_[j].log, through(actions_[j].reference, r.joint[row], m), m);
   }
-  r.tip = forward_kinematics(built_, r.joint);
+  r.tip = tracked_tip(built_, r.joint);
   return r;
 }
 

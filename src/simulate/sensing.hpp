@@ -68,8 +68,8 @@ class Sensing {
     Eigen::VectorXd displacement;  ///< constant displacement of the encoder coordinates [rad or m]; less than
                                    ///< a count, it only shifts the phase of the quantizer
     std::uint64_t seed = 0;        ///< of the random effects of this run
-    bool effort = false;  ///< compute efforts in any case, if the robot has masses; otherwise only if an
-                          ///< effect needs them
+    bool effort = false;  ///< compute efforts in any case, if the robot has masses or the motion states
+                          ///< them; otherwise only if an effect needs them
     /// Whether positions are rounded to counts. If not, a count is position/Delta and what effects change in
     /// its mean over the position of the encoder's zero and over the noise: it is not an integer.
     bool rounds = true;
@@ -104,6 +104,8 @@ class Sensing {
   };
   double position(std::size_t joint, double time) const;
   Eigen::VectorXd effort(double time) const;
+  Eigen::VectorXd dynamic_effort(double time) const;
+  double temperature_rise(std::size_t joint, double time) const;
   double shaft_position(std::size_t joint, std::size_t in_batch);
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
   double count_of(std::size_t encoder, double position) const;
@@ -120,7 +122,8 @@ class Sensing {
   Coupling to_encoders_;
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
-  bool effort_, shaft_differs_;  // efforts are computed; shaft angles differ from the true joint angles
+  bool masses_, effort_, temperature_,
+      shaft_differs_;  // efforts are computed; shaft angles differ from the true joint angles
   bool rounds_;
   Eigen::VectorXd mean_rounding_;  // of the encoders without effects
   InstructionSet set_;

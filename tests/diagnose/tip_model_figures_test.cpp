@@ -49,12 +49,13 @@ TEST(TipModelFigures, OfModelsOfPosedRobotsAreAsMeasured) {
     r.evidence.noise = seed % 5 == 0 ? 1e-4 : 0;
     r.evidence.log_resolution = seed % 5 == 1 ? 2e-4 : 0;
     const RecordFigures figure(figures_of_tips(), "posed " + std::to_string(seed));
-    for (const UnknownFrames frames : {UnknownFrames::none, UnknownFrames::target, UnknownFrames::all}) {
-      if ((frames == UnknownFrames::all) != framed) continue;  // far from the data a fit is chaotic
-      const std::string start = "frames " + std::to_string(static_cast<int>(frames)) + ' ';
+    for (const UnknownFrames frames :
+         {UnknownFrames{}, UnknownFrames{.target = true}, UnknownFrames{true, true}}) {
+      if (frames.base != framed) continue;  // far from the data a fit is chaotic
+      const std::string start = "frames " + std::to_string(frames.base ? 2 : frames.target) + ' ';
       TipModel m(r.model, r.evidence, frames, 9);
       expect_model(figure, start, m);
-      if (frames != UnknownFrames::target) expect_candidates(figure, start, m);
+      if (!frames.target || frames.base) expect_candidates(figure, start, m);
       // Two tilts, an offset and a length, then one less, and one in the place of another.
       std::vector<TipTerm> all = tip_candidates(m);
       const std::size_t from = dice.below(3);
@@ -146,7 +147,7 @@ TEST(TipModelFigures, OfSelectionsFromMotionsAreAsMeasured) {
     ASSERT_TRUE(e);
     const RecordFigures figure(figures_of_tips(), "moved " + std::to_string(seed));
     expect_evidence(figure, *e);
-    const TipModel m(r.model, *e, UnknownFrames::none, 3);
+    const TipModel m(r.model, *e, {}, 3);
     if (seed % 2 == 0) expect_candidates(figure, "", m);
     expect_selection(figure, select_tip(r.model, *e, 5));
   }
@@ -169,7 +170,7 @@ TEST(TipModelFigures, OfExchangesOfWrongTermsAreAsMeasured) {
     const Log log = testing::log_of(dice, built, record, resolution, 2e-5);
     const auto e = tip_evidence(model, {}, log, 1);
     ASSERT_TRUE(e);
-    TipModel wrong(model, *e, seed % 4 == 3 ? UnknownFrames::target : UnknownFrames::none, 4);
+    TipModel wrong(model, *e, UnknownFrames{.target = seed % 4 == 3}, 4);
     std::vector<TipTerm> all = tip_terms(*e, wrong.estimate());
     for (std::size_t i = seed % 3; i < all.size() && wrong.terms().size() < 3; i += 4)
       if (!wrong.beyond({}, wrong.columns(all[i])).isZero(0)) {
@@ -214,7 +215,7 @@ TEST(TipAlternatives, OfOneDirectionAreTheOthersWhereTheTargetIsUnknown) {
   const auto e = tip_evidence(
       model, {}, testing::log_of(dice, built, testing::poses(dice, 2, 100), resolution, 2e-5), 1);
   ASSERT_TRUE(e);
-  TipModel m(model, *e, UnknownFrames::target, 4);
+  TipModel m(model, *e, {.target = true}, 4);
   for (const TipTerm& t : tip_terms(*e, m.estimate()))
     if (t.kind == TipTerm::Kind::geometry && t.where == 1 && t.term.effect.choices.at("axis") != "z")
       m.add(t, Eigen::VectorXd::Zero(1));

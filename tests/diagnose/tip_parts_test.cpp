@@ -200,7 +200,11 @@ TEST(TipTerm, HasTheDerivativesOfTheForwardKinematicsAsColumns) {
     terms.push_back({TipTerm::Kind::tool, {}, 0});
     for (const TipTerm& t : terms)
       for (Eigen::Index k = 0; k < r.evidence.rows(); ++k) {
-        const Eigen::Matrix3Xd columns = t.at(r.estimate.pose(r.evidence, k), k);
+        const TipPose pose = r.estimate.pose(r.evidence, k);
+        const Eigen::Matrix3Xd columns =
+            t.kind == TipTerm::Kind::encoder
+                ? pose.encoders.col(static_cast<Eigen::Index>(t.where)) * t.term.columns.row(k).matrix()
+                : Eigen::Matrix3Xd(t.at(pose));
         ASSERT_EQ(columns.cols(), t.size());
         for (Eigen::Index i = 0; i < t.size(); ++i) {
           const auto at = [&](double h) { return difference_at_tip(r, t, i, k, h); };

@@ -209,6 +209,36 @@ TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
       EXPECT_NEAR(d.causes[0].effect.number_or(names[3 + i], 0), size * axis[i], 1e-4) << seed;
     }
     EXPECT_GT(d.gain.lower, 10) << seed;
+    OperationalModel told = arm.model(resolution);
+    told.chain.tracker.linear() = turn;
+    told.chain.tracker.translation() = shift;
+    const Diagnosis second = judge(told, log);
+    EXPECT_EQ(second.verdict, Verdict::nothing_wrong) << "seed " << seed << ": " << summary(second);
+  }
+}
+
+// A frame that is turned in all directions is no displacement of the first joint with askew axes, whatever
+// else is wrong.
+TEST(DiagnoseTip, TellsAnOffsetBesideATurnedFrame) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(3200 + seed);
+    const Arm arm = random_arm(dice, 6);
+    const std::vector<double> resolution(6, 1e-5);
+    const Eigen::Vector3d shift = dice.between(1e-3, 0.3) * dice.direction();
+    const Eigen::Matrix3d turn = rotation(dice.direction(), dice.between(2e-3, 0.3));
+    Record r = poses(dice, 6, 200);
+    const auto joint = static_cast<Eigen::Index>(1 + dice.below(4));
+    const double offset = dice.between(1e-3, 1e-2);
+    r.additions.row(joint).setConstant(offset);
+    const Diagnosis d =
+        judge(arm.model(resolution), log_of(dice, arm, r, resolution, 2e-5, [&](const Eigen::Vector3d& p) {
+                return Eigen::Vector3d(shift + turn * p);
+              }));
+    EXPECT_TRUE(finds(d, "frame", "tip")) << "seed " << seed << ": " << summary(d);
+    EXPECT_TRUE(
+        finds(d, "offset", arm.model(resolution).chain.independent[static_cast<std::size_t>(joint)].name))
+        << "seed " << seed << ": " << summary(d);
+    EXPECT_TRUE(d.unexplained.empty()) << "seed " << seed << ": " << summary(d);
   }
 }
 

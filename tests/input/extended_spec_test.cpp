@@ -181,5 +181,27 @@ TEST(ExtendedSpec, MovesTheToolToTheTrackedPoint) {
   }
 }
 
+// The second frame is found in the axes of the one that the spec states.
+TEST(ExtendedSpec, MovesTheTrackerToTheFrameThatIsFound) {
+  const Eigen::Vector3d turn(0.4, -0.3, 1.2), shift(0.1, -0.2, 0.3);
+  const AddedEffect frame{
+      {"frame",
+       "tip",
+       {{"x", shift[0]}, {"y", shift[1]}, {"z", shift[2]}, {"rx", turn[0]}, {"ry", turn[1]}, {"rz", turn[2]}},
+       {}},
+      "of the tracker"};
+  for (const std::string& present :
+       {std::string(), std::string(", tracker: {xyz: [0, 0, 120 mm], rpy: [30 deg, 90 deg, 20 deg]}")}) {
+    std::string text = base;
+    text.replace(text.find("planar_prr.urdf"), std::string("planar_prr.urdf").size(),
+                 "planar_prr.urdf" + present);
+    const Spec before = spec_of(text), after = spec_of(extended(text, {frame}));
+    const Eigen::Vector3d p(0.3, -0.5, 0.7);
+    const Eigen::Vector3d expected =
+        shift + Eigen::AngleAxisd(turn.norm(), turn.normalized()) * (before.model.chain.tracker * p);
+    EXPECT_LT((after.model.chain.tracker * p - expected).norm(), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace qerr

@@ -11,6 +11,7 @@
 #include "qerr/input/spec.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "simulate/motion_path.hpp"
+#include "simulate/sensing.hpp"
 
 namespace qerr {
 namespace {
@@ -187,6 +188,36 @@ TEST_F(MotionSpec, AFileIsWhateverALogCanBe) {
   EXPECT_NEAR(spec.motion->table.positions(0, 1), std::numbers::pi / 120, 1e-15) << "the truth is the motion";
   EXPECT_NEAR(spec.motion->table.positions(2, 2), 3e-3, 1e-15);
   EXPECT_NE(message("{file: motion.csv}", table).find("lift.reference: COLUMN"), std::string::npos);
+}
+
+TEST_F(MotionSpec, AFileMayStateEffortsAndTemperatures) {
+  const std::string csv =
+      "time,shoulder,lift,elbow,wrist,elbow.effort [mA],lift.temperature [degC]\n"
+      "0,0,0,0,0,500,20\n0.01,0,0,0,0,700,24\n0.02,0,0,0,0,600,25\n";
+  ASSERT_EQ(message("{file: motion.csv}", csv), "accepted");
+  const MotionTable& table = spec.motion->table;
+  ASSERT_TRUE(states_any(table.efforts) && states_any(table.temperatures));
+  const std::size_t elbow = independent_index(spec.model.chain, "elbow"),
+                    lift = independent_index(spec.model.chain, "lift");
+  EXPECT_EQ(table.efforts[elbow].unit, "A");
+  const MotionPath path(*spec.motion);
+  EXPECT_NEAR(path.along(table.efforts[elbow], 0.0025), 0.55, 1e-12);
+  EXPECT_NEAR(path.along(table.efforts[elbow], 1), 0.6, 1e-12) << "after its end the last";
+  EXPECT_EQ(table.efforts[lift].values.size(), 0);
+  // What loads and warms the joints: 0.2 rad/A and 1 mm/K.
+  const std::vector<Effect> effects{
+      {"compliance", "elbow", {{"compliance", 0.2}}, {}},
+      {"drift", "lift", {{"amplitude", 0}, {"time_constant", 1}, {"coefficient", 1e-3}}, {}}};
+  Sensing sensing(spec.model, *spec.motion, effects, {Eigen::VectorXd::Zero(4), 1, false, false});
+  const double efforts[] = {0.5, 0.7, 0.6}, rises[] = {0, 4, 5};
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    const Reading& r = sensing.read(k);
+    EXPECT_NEAR(r.estimate[static_cast<Eigen::Index>(elbow)], 0.2 * efforts[k], 1e-12);
+    EXPECT_NEAR(r.estimate[static_cast<Eigen::Index>(lift)], 1e-3 * rises[k], 1e-12);
+  }
+  EXPECT_NE(message("{file: motion.csv}", "time,shoulder,lift,elbow,wrist,elbow.effort [mm]\n0,0,0,0,0,5\n")
+                .find("wrong unit"),
+            std::string::npos);
 }
 
 TEST_F(MotionSpec, AFileWithUnevenTimesNeedsASampleRate) {

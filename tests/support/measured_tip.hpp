@@ -125,7 +125,7 @@ inline void expect_evidence(const RecordFigures& figure, const TipEvidence& e) {
 /// The selection; its p-values and losses against their definitions.
 inline void expect_selection(const RecordFigures& figure, const TipSelection& s) {
   const TipModel& m = s.model;
-  figure("frames", static_cast<double>(m.frames()));
+  figure("frames", m.frames().base ? 2 : m.frames().target);
   expect_model(figure, "selected ", m);
   const auto lost = [&](std::size_t term, const Eigen::MatrixXd& instead) {
     return (m.solution().log_likelihood - m.trial({term}, instead).log_likelihood) /

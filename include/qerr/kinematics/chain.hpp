@@ -48,6 +48,7 @@ struct Chain {
   std::string base, tip;
   std::vector<ChainJoint> joints;  ///< moving joints, base to tip
   Eigen::Isometry3d tip_offset = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d tracker = Eigen::Isometry3d::Identity();  ///< the base in the frame of a record's tip
   /// In chain order; a master off the chain has the place of its first mimic.
   std::vector<IndependentJoint> independent;
 };
@@ -103,6 +104,9 @@ OriginPlace origin_place(const Chain&, std::size_t joint);
 
 /// Pose of the tip in the base frame at the independent coordinates q [rad or m].
 Eigen::Isometry3d forward_kinematics(const Chain&, const Eigen::VectorXd& q);
+
+/// Pose of the tip in the tracker's frame.
+Eigen::Isometry3d tracked_tip(const Chain&, const Eigen::VectorXd& q);
 
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 

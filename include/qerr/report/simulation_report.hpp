@@ -53,7 +53,7 @@ class LogWriter {
 
  private:
   const Spec& spec_;
-  bool efforts_;
+  bool efforts_, temperatures_;
   std::vector<bool> rounded_;  // joints with a log resolution: `measured` instead of `counts`
   std::string text_;
 };

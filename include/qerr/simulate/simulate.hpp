@@ -44,11 +44,22 @@ struct JointMotion {
   std::vector<Move> moves;
 };
 
+/// What a table has of a joint beside its position, at the same times.
+struct RecordedSignal {
+  std::string unit;        ///< as in a log: "N m", "A", "K", ...
+  Eigen::VectorXd values;  ///< empty: it has none
+};
+
 /// A recorded or planned motion.
 struct MotionTable {
   std::vector<double> time;   ///< strictly increasing [s]
   Eigen::MatrixXd positions;  ///< independent joints x times [rad or m]
+  /// Of every independent joint: the load of its gear, and the temperature.
+  std::vector<RecordedSignal> efforts = {}, temperatures = {};
 };
+
+/// Whether the motion states the effort, or the temperature, of any joint.
+bool states_any(const std::vector<RecordedSignal>&);
 
 /// `motion:` of the spec: the motion of every independent joint from time 0 to `duration`.
 struct Motion {
@@ -160,8 +171,9 @@ struct Reading {
   Eigen::VectorXd estimate;   ///< measured joint positions C * measured [rad or m]
   Eigen::VectorXd logged;     ///< the estimate with the effects of the log [rad or m]
   Eigen::VectorXd reference;  ///< joint positions by the reference sensor [rad or m]
-  Eigen::VectorXd effort;     ///< of the joints; empty unless requested [N m or N]
-  Eigen::Isometry3d tip;      ///< true pose of the tip
+  Eigen::VectorXd effort;     ///< of the joints; empty unless requested [N m or N, or as the motion's table]
+  Eigen::VectorXd temperature_rise;  ///< of the joints; empty unless the motion's table has it [K]
+  Eigen::Isometry3d tip;             ///< true pose of the tip, in the tracker's frame
 };
 
 struct SimulationOptions {

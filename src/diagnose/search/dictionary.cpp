@@ -137,8 +137,11 @@ class Candidates {
   void add_reshaped(const Term& t, const std::function<Term(const Sampling&)>& original) {
     if (has_family(t.effect.type)) return;
     const double duration = e_.time[e_.rows() - 1];
-    for (const double shape :
-         joined(scanned_.time_constants, series(duration / 100, 2 * duration, time_constants)))
+    // Of an approach that the scan of events has found it is that, where it begins with the record: between
+    // those of a series it would lose to the approach alone.
+    std::vector<double> found = scanned_.time_constants;
+    for (const Event& event : scanned_.events) found.push_back(event.time_constant);
+    for (const double shape : joined(found, series(duration / 100, 2 * duration, time_constants)))
       add(t.reshaped(e_, t, shape), t.effect.type, time_constants, [original, shape](const Sampling& s) {
         const Term fresh = original(s);
         return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;

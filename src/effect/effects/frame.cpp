@@ -17,9 +17,9 @@ EffectKind frame_effect() {
                          metres("z", "along z"), angle("rx", "rotation about x of the base"),
                          angle("ry", "about y"), angle("rz", "about z")},
           .remedy = {false,
-                     "transform the log into the robot's base, or correct how the base is mounted; a first "
+                     "transform the log into the robot's base, or state the frame as robot.tracker; a first "
                      "joint that is displaced or askew looks the same: survey the tracker at the base"},
-          .spec_remedy = "omit it: transform the log"};
+          .spec_remedy = "write robot: {tracker: {xyz: [...], rpy: [...]}}"};
 }
 
 }  // namespace qerr

@@ -10,6 +10,7 @@
 #include "core/sha256.hpp"
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
+#include "input/read_sections.hpp"
 #include "input/urdf_reader.hpp"
 #include "kinematics/tree.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -71,13 +72,6 @@ PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vec
 }
 
 namespace {
-
-/// Roll, pitch and yaw of a rotation R_z(yaw) R_y(pitch) R_x(roll); at the gimbal lock roll is 0.
-std::vector<double> roll_pitch_yaw(const Eigen::Matrix3d& r) {
-  const double level = std::hypot(r(0, 0), r(1, 0));
-  if (level < 1e-12) return {0, std::atan2(-r(2, 0), level), std::atan2(-r(0, 1), r(1, 1))};
-  return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), level), std::atan2(r(1, 0), r(0, 0))};
-}
 
 /// A member of a joint that moves; empty for a fixed one.
 template <class T>
@@ -166,7 +160,11 @@ RowsOf<PoseAtJoints> rows(Of<PoseAtJoints>) {
            "rad or m"},
           {"position", position, "of the tip in the frame of the base [m]"},
           {"quaternion", quaternion, "x, y, z, w"},
-          {"rpy", [](auto& at) { return roll_pitch_yaw(at.pose.linear()); },
+          {"rpy",
+           [](auto& at) {
+             const Eigen::Vector3d angles = roll_pitch_yaw(at.pose.linear());
+             return std::vector<double>(angles.begin(), angles.end());
+           },
            "R_z(yaw) R_y(pitch) R_x(roll) [rad]"},
           {"matrix", [](auto& at) { return nested(at.pose.matrix()); }, "homogeneous, base from tip"}};
 }
@@ -331,11 +329,11 @@ std::string pose_text(const PoseAtJoints& at, const Style& style) {
     values += (values.empty() ? "" : ", ") + shown(joint.name) + " = " +
               (joint.prismatic() ? shortest(value) + " m"
                                  : shortest(std::round(value * 180e9 / std::numbers::pi) / 1e9) + " deg");
-  const std::vector<double> rpy = roll_pitch_yaw(at.pose.linear());
+  const Eigen::Vector3d rpy = roll_pitch_yaw(at.pose.linear());
   TableRows rows{{"", "x", "y", "z"}, {"position [m]"}, {"roll, pitch, yaw [deg]"}};
   for (Eigen::Index i = 0; i < 3; ++i) {
     rows[1].push_back(decimal(at.pose.translation()[i]));
-    rows[2].push_back(decimal(rpy[static_cast<std::size_t>(i)] * 180 / std::numbers::pi));
+    rows[2].push_back(decimal(rpy[i] * 180 / std::numbers::pi));
     rows.push_back({std::string("axis ") + "xyz"[i]});
     for (Eigen::Index k = 0; k < 3; ++k) rows.back().push_back(decimal(at.pose.linear()(k, i)));
   }

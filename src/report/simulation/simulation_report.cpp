@@ -85,9 +85,10 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
   if (!spec.motion)
     throw spec_error(spec, "motion", "the spec has no motion to simulate", "",
                      "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}");
-  if (needs_effort(spec.effects) && !has_masses(spec.model.chain))
+  if (needs_effort(spec.effects) && !has_masses(spec.model.chain) && !states_any(spec.motion->table.efforts))
     throw spec_error(spec, "effects", "compliance needs a load, which the URDF does not determine",
-                     "no <inertial> between base and tip", "give the links their masses");
+                     "no <inertial> between base and tip",
+                     "give the links their masses, or the motion's file JOINT.effort");
   if (spec.model.tips)
     spec.warnings.emplace_back(
         "of several tips none is compared with the simulation: give the spec one `robot.tip`");
@@ -121,7 +122,10 @@ void append_number(std::string& text, Number value) {
 
 }  // namespace
 
-LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.model.chain)) {
+LogWriter::LogWriter(const Spec& spec)
+    : spec_(spec),
+      efforts_(has_masses(spec.model.chain) || (spec.motion && states_any(spec.motion->table.efforts))),
+      temperatures_(spec.motion && states_any(spec.motion->table.temperatures)) {
   for (const IndependentJoint& joint : spec.model.chain.independent)
     rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
@@ -146,7 +150,13 @@ std::string LogWriter::header() const {
     const std::string unit = joint.prismatic() ? " [m]" : " [rad]";
     text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
             csv_cell(joint.name + ".reference" + unit);
-    if (efforts_) text += ',' + csv_cell(joint.name + (joint.prismatic() ? ".effort [N]" : ".effort [N m]"));
+    if (efforts_) {
+      const std::vector<RecordedSignal>& stated = spec_.motion->table.efforts;
+      const bool recorded = i < stated.size() && stated[i].values.size() > 0;
+      const std::string own = recorded ? stated[i].unit : joint.prismatic() ? "N" : "N m";
+      text += ',' + csv_cell(joint.name + ".effort [" + own + ']');
+    }
+    if (temperatures_) text += ',' + csv_cell(joint.name + ".temperature [K]");
   }
   return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
 }
@@ -163,9 +173,8 @@ std::string_view LogWriter::row(const Reading& r) {
       append_number(text_, static_cast<long long>(r.counts[row]));
     text_ += ',';
     append_number(text_, r.reference[row]);
-    if (!efforts_) continue;
-    text_ += ',';
-    append_number(text_, r.effort[row]);
+    if (efforts_) append_number(text_ += ',', r.effort[row]);
+    if (temperatures_) append_number(text_ += ',', r.temperature_rise[row]);
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     text_ += ',';

@@ -126,7 +126,7 @@ Gain gain_of(const TipModel& m, const TipModel& ideal) {
 /// Whether causes and frames reduce the residual of held-out blocks, by an interval of the ratio without 1.
 /// What does not is no error that anyone would notice, however significant it seems to be.
 bool improves(const TipModel& found, const Gain& gain) {
-  return (found.terms().empty() && found.frames() == UnknownFrames::none) || gain.lower > 1;
+  return (found.terms().empty() && found.frames() == UnknownFrames{}) || gain.lower > 1;
 }
 
 /// The extended model along the record: its tip at the readings less the causes' additions, rows x logged
@@ -160,8 +160,7 @@ Reproduction reproduction(const OperationalModel& model, const TipModel& m, cons
   const TipEvidence& e = m.evidence();
   double moved = 0;
   for (Eigen::Index k = 0; k < e.rows(); ++k)
-    moved += (forward_kinematics(model.chain, e.joints.col(k)).translation()(e.axes) -
-              simulated.row(k).transpose())
+    moved += (tracked_tip(model.chain, e.joints.col(k)).translation()(e.axes) - simulated.row(k).transpose())
                  .squaredNorm();
   const double floor = std::pow(m.solution().sigma, 2) + m.quantization();
   constexpr double tenth = 1.1;
@@ -228,7 +227,7 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
 double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
   double squares = 0;
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const Eigen::Vector3d tip = forward_kinematics(model.chain, e.joints.col(k)).translation();
+    const Eigen::Vector3d tip = tracked_tip(model.chain, e.joints.col(k)).translation();
     squares += (e.tip.col(k) - tip(e.axes)).squaredNorm();
   }
   return std::sqrt(squares / static_cast<double>(e.tip.size()));
@@ -264,15 +263,15 @@ void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::Ve
 }
 
 void name_frames(const TipModel& m, TipDiagnosis& d) {
-  const Eigen::Isometry3d& base = m.estimate().base;
-  const Eigen::Index of_base = m.frames() == UnknownFrames::all ? 6 : 0;
+  const Eigen::Isometry3d base = m.estimate().base * m.nominal().tracker.inverse();
+  const Eigen::Index of_base = m.frames().base ? 6 : 0;
   if (of_base > 0) {
     const Eigen::AngleAxisd turn(base.linear());
     Eigen::VectorXd motion(of_base);
     motion << base.translation(), turn.angle() * turn.axis();
     add_frame_cause(m, "frame", motion, 0, d);
   }
-  if (m.frames() != UnknownFrames::none) add_frame_cause(m, "tool", m.estimate().tool, of_base, d);
+  if (m.frames().target) add_frame_cause(m, "tool", m.estimate().tool, of_base, d);
 }
 
 /// By how much the logged coordinates of the tip change per unit of each joint, at most [m/rad or 1], in
@@ -292,7 +291,7 @@ bool moves(const OperationalModel& model, const TipEvidence& e, const Eigen::Mat
   const Eigen::VectorXd steps = t.coupling.dense().cwiseAbs() * resolutions(t);
   Eigen::MatrixXd tip(sensitivity.rows(), e.rows());
   for (Eigen::Index k = 0; k < e.rows(); ++k)
-    tip.col(k) = forward_kinematics(model.chain, e.joints.col(k)).translation()(e.axes);
+    tip.col(k) = tracked_tip(model.chain, e.joints.col(k)).translation()(e.axes);
   const Eigen::VectorXd travel = tip.rowwise().maxCoeff() - tip.rowwise().minCoeff();
   return ((travel - sensitivity * steps).array() > 0).any();
 }
@@ -408,7 +407,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const auto selection = selected(model, e, log, seed, d);
   const TipSelection& s = *selection;
   const double without = rms_without_causes(model, *e);
-  const TipModel alone(model, *e, UnknownFrames::none, seed);
+  const TipModel alone(model, *e, {}, seed);
   d.gain = gain_of(s.model, alone);
   const Eigen::MatrixXd simulated = simulated_tip(model, s.model),
                         residual = left_by_simulation(s.model, simulated);
@@ -443,7 +442,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;
   });
-  if (at_base && s.model.frames() != UnknownFrames::all)
+  if (at_base && !s.model.frames().base)
     d.warnings.push_back(
         "a displacement of " + model.chain.joints.front().name +
         " is indistinguishable from one of the tracker's frame: survey the tracker at the base");

@@ -242,13 +242,12 @@ Eigen::Index TipTerm::size() const {
   return 0;
 }
 
-Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
+TipColumns TipTerm::at(const TipPose& p) const {
   const auto place = static_cast<Eigen::Index>(where);
-  Eigen::Matrix3Xd columns(3, size());
+  TipColumns columns(3, size());
   switch (kind) {
     case Kind::encoder:
-      columns = p.encoders.col(place) * term.columns.row(row).matrix();
-      break;
+      throw std::logic_error("an encoder's term depends on more than the pose");
     case Kind::geometry:
       // The true joint is displaced from the model's: estimate - true is minus the displacement.
       columns = -p.before[where] * directions;
@@ -352,9 +351,8 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
     t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {
     // Of the linearizations of one effect, one with as many coefficients.
-    for (Term& fresh : named_terms(own))
-      if (fresh.size() == t.size() && fresh.effect.type == effect.type &&
-          fresh.effect.choices == effect.choices &&
+    for (Term& fresh : effect_kind(effect.type).terms(own))
+      if (fresh.size() == t.size() && fresh.effect.choices == effect.choices &&
           fresh.effect.number_or("order", 0) == effect.number_or("order", 0) &&
           fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0))
         t.term.columns = std::move(fresh.columns);

@@ -68,6 +68,9 @@ struct TipEstimate {
   TipPose pose(const TipEvidence&, Eigen::Index row) const;
 };
 
+/// Of one term at one pose: [m] per unit of its coefficients, at most the six of a frame.
+using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
+
 /// A cause of an error of the tip.
 struct TipTerm {
   enum class Kind {
@@ -91,8 +94,8 @@ struct TipTerm {
   }
   Eigen::Index size() const;
 
-  /// estimate - true at the tip per unit of the coefficients, 3 x size.
-  Eigen::Matrix3Xd at(const TipPose&, Eigen::Index row) const;
+  /// Of a term that is not an encoder's: estimate - true at the tip per unit of the coefficients, 3 x size.
+  TipColumns at(const TipPose&) const;
 };
 
 /// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference.

@@ -21,9 +21,10 @@ TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, U
                    std::uint64_t seed)
     : model_(&model), evidence_(&evidence), frames_(frames), seed_(seed) {
   estimate_.chain = model.chain;
+  estimate_.base = model.chain.tracker;
   estimate_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
   theta_.resize(0);
-  if (frames_ == UnknownFrames::all) align();
+  if (frames_.base) align();
   fit();
   draw_surrogates();
 }
@@ -32,7 +33,7 @@ Eigen::MatrixXd TipModel::in_base(const Eigen::VectorXd& entries) const {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   Eigen::MatrixXd series(evidence_->rows(), coordinates);
   for (Eigen::Index k = 0; k < series.rows(); ++k) {
-    const Eigen::MatrixXd& turn = turn_[static_cast<std::size_t>(k)];
+    const auto& turn = turn_[static_cast<std::size_t>(k)];
     series.row(k) =
         (turn(Eigen::all, evidence_->axes).transpose() * entries.segment(k * coordinates, coordinates))
             .transpose();
@@ -55,6 +56,7 @@ Eigen::VectorXd TipModel::coefficients(std::size_t term) const {
 void TipModel::add(TipTerm term, const Eigen::VectorXd& coefficients) {
   theta_.conservativeResize(theta_.size() + coefficients.size());
   theta_.tail(coefficients.size()) = coefficients;
+  term_columns_.push_back(columns(term));
   terms_.push_back(std::move(term));
 }
 
@@ -64,6 +66,7 @@ void TipModel::remove(std::size_t term) {
   kept << theta_.head(at), theta_.tail(theta_.size() - at - gone);
   theta_ = kept;
   terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
+  term_columns_.erase(term_columns_.begin() + static_cast<std::ptrdiff_t>(term));
 }
 
 void TipModel::exchange(std::size_t term, TipTerm other, const Eigen::VectorXd& coefficients) {
@@ -74,9 +77,17 @@ void TipModel::exchange(std::size_t term, TipTerm other, const Eigen::VectorXd& 
 Eigen::MatrixXd TipModel::columns(const TipTerm& t) const {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   Eigen::MatrixXd out(y_.size(), t.size());
-  for (Eigen::Index k = 0; k < evidence_->rows(); ++k)
-    out.middleRows(k * coordinates, coordinates) =
-        turn_[static_cast<std::size_t>(k)] * t.at((*poses_)[static_cast<std::size_t>(k)], k);
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k) {
+    const TipPose& pose = (*poses_)[static_cast<std::size_t>(k)];
+    const auto& turn = turn_[static_cast<std::size_t>(k)];
+    auto rows = out.middleRows(k * coordinates, coordinates);
+    if (t.kind == TipTerm::Kind::encoder) {
+      const Eigen::Vector3d moved = pose.encoders.col(static_cast<Eigen::Index>(t.where));
+      rows.noalias() = (turn * moved) * t.term.columns.row(k).matrix();
+    } else {
+      rows.noalias() = turn * t.at(pose);
+    }
+  }
   return out;
 }
 
@@ -230,7 +241,7 @@ void TipModel::align() {
   const Eigen::Matrix3Xd tracked = evidence_->tip;
   const Eigen::Matrix3Xd centred = tracked.colwise() - tracked.rowwise().mean();
   if ((tip - tracked).norm() < 0.02 * centred.norm()) return;
-  estimate_.base = rigid_alignment(tip, tracked);
+  estimate_.base = rigid_alignment(tip, tracked) * estimate_.base;
 }
 
 /// Updates link dimensions, tilts of axes and encoder corrections by the coefficients.
@@ -258,8 +269,8 @@ void TipModel::update_estimate() {
 /// Columns of the nuisance parameters: the tracker's frames and free encoder zeros.
 void TipModel::arrange_nuisance() {
   std::vector<TipTerm> free;
-  if (frames_ == UnknownFrames::all) free.push_back({TipTerm::Kind::base, {}, 0});
-  if (frames_ != UnknownFrames::none) free.push_back({TipTerm::Kind::tool, {}, 0});
+  if (frames_.base) free.push_back({TipTerm::Kind::base, {}, 0});
+  if (frames_.target) free.push_back({TipTerm::Kind::tool, {}, 0});
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
     if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
       free.push_back({TipTerm::Kind::encoder, {}, i});
@@ -306,11 +317,11 @@ void TipModel::linearize() {
     const Eigen::Vector3d tip = p.tip - p.encoders * mean - second.mean;
     const Eigen::MatrixXd tracked = all(evidence_->axes, evidence_->axes);
     const SymmetricEigen axes = symmetric_eigen(tracked);
-    Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
+    auto& turn = turn_[static_cast<std::size_t>(k)];
+    turn.setZero(coordinates, 3);
     turn(Eigen::all, evidence_->axes) = axes.vectors.transpose();
     y_.segment(k * coordinates, coordinates) = turn * tip - axes.vectors.transpose() * evidence_->tip.col(k);
     known_.segment(k * coordinates, coordinates) = axes.values.cwiseMax(0);
-    turn_[static_cast<std::size_t>(k)] = std::move(turn);
     poses->push_back(p);
   }
   poses_ = std::move(poses);
@@ -324,18 +335,19 @@ void TipModel::linearize() {
 
 /// Brings the tracker's frame and its target to where the solution has them.
 void TipModel::move_frames() {
-  if (frames_ == UnknownFrames::none) return;
-  if (frames_ == UnknownFrames::target) {
-    estimate_.tool += solution_.theta.head<3>();
-    return;
-  }
-  const Eigen::VectorXd s = solution_.theta.head<9>();
-  const Eigen::Vector3d turn = s.segment<3>(3);
+  if (frames_.target) estimate_.tool += solution_.theta.segment<3>(frames_.size() - 3);
+  if (!frames_.base) return;
+  const Eigen::Vector3d turn = solution_.theta.segment<3>(3);
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
-  shift.translate(s.head<3>());
+  shift.translate(solution_.theta.head<3>());
   if (turn.norm() > 0) shift.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   estimate_.base = shift * estimate_.base;
-  estimate_.tool += s.tail<3>();
+}
+
+void TipModel::refit() {
+  solution_ = trial({}, {});
+  theta_ = solution_.theta.tail(theta_.size());
+  projection_ = std::make_shared<const Projection>(projection({}));
 }
 
 void TipModel::fit() {

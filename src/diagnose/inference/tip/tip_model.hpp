@@ -9,9 +9,14 @@
 
 namespace qerr {
 
-/// Frames that are fitted as nuisance parameters: none, the position of the tracker's target in the last link
-/// (3), or that and the frame of the tracker (9).
-enum class UnknownFrames { none, target, all };
+/// Frames that are fitted as nuisance parameters.
+struct UnknownFrames {
+  bool base = false;    ///< of the tracker: 6 parameters
+  bool target = false;  ///< the position of its target in the last link: 3 parameters
+
+  Eigen::Index size() const { return (base ? 6 : 0) + (target ? 3 : 0); }
+  bool operator==(const UnknownFrames&) const = default;
+};
 
 /// Second-order part of the error that quantization causes at the tip in one row, in the base frame:
 /// -1/2 delta^T H delta, with errors delta uniform over Delta and the Hessian H of the tip's position.
@@ -46,6 +51,9 @@ class TipModel {
 
   /// Gauss-Newton iteration until the estimate converges.
   void fit();
+
+  /// The fit at the present linearization: after a term that hardly moves the estimate came or went.
+  void refit();
 
   /// A term's columns at the present estimate, in the rows' axes: entries x size.
   Eigen::MatrixXd columns(const TipTerm&) const;
@@ -116,7 +124,8 @@ class TipModel {
   std::vector<TipTerm> terms_;
   Eigen::VectorXd theta_;  ///< of the terms
   std::shared_ptr<const std::vector<TipPose>> poses_;
-  std::vector<Eigen::MatrixXd> turn_;  ///< from base axes to the row's own, coordinates x 3
+  /// From base axes to the row's own, coordinates x 3.
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3>> turn_;
   /// Second-order errors of every row, at the first estimate; shared by copies.
   std::shared_ptr<const std::vector<SecondOrder>> second_order_;
   Eigen::VectorXd y_, known_;

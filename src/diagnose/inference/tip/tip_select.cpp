@@ -201,6 +201,7 @@ void prune(TipModel& model) {
     std::size_t term;
     double correlated, cost;
   };
+  bool fitted = true;
   for (;;) {
     std::vector<Removal> order;
     for (std::size_t i = 0; i < model.terms().size(); ++i) {
@@ -217,9 +218,14 @@ void prune(TipModel& model) {
       const double worth = lost / r.correlated - r.cost;
       if (worth < lowest) lowest = worth, least = r.term;
     }
-    if (!least) return;
-    model.remove(*least);
-    model.fit();
+    if (!least && fitted) return;
+    if (least) {
+      model.remove(*least);
+      model.refit();
+    } else {
+      model.fit();
+    }
+    fitted = !least;
   }
 }
 
@@ -249,8 +255,9 @@ TipModel with_all_dimensions(TipModel model) {
     if (model.beyond({}, model.columns(t)).isZero(0)) continue;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(t.size());  // a tilt may have two directions
     model.add(std::move(t), none);
-    model.fit();
+    model.refit();
   }
+  model.fit();
   prune(model);
   return model;
 }
@@ -266,11 +273,9 @@ TipModel best_model(TipModel start, const TipSelectOptions& options) {
 
 /// Whether unknown frames are significant beside a model without them.
 bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& options) {
-  Eigen::MatrixXd columns = model.columns({TipTerm::Kind::tool, {}, 0});
-  if (frames == UnknownFrames::all) {
-    columns.conservativeResize(Eigen::NoChange, 9);
-    columns.rightCols<6>() = model.columns({TipTerm::Kind::base, {}, 0});
-  }
+  Eigen::MatrixXd columns(model.entries().size(), frames.size());
+  if (frames.base) columns.leftCols<6>() = model.columns({TipTerm::Kind::base, {}, 0});
+  if (frames.target) columns.rightCols<3>() = model.columns({TipTerm::Kind::tool, {}, 0});
   const TipSolution with = model.trial({}, columns);
   const Eigen::Index more = with.rank - model.solution().rank;
   if (more <= 0) return false;
@@ -284,27 +289,46 @@ bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& 
 /// A model's value, with what free frames and terms cost beyond their coefficients.
 double value_with_penalties(const TipModel& m) {
   const Eigen::Index free = m.trial({}, {}).rank - m.size();
-  double cost = m.frames() == UnknownFrames::none     ? 0
-                : m.frames() == UnknownFrames::target ? unnamed_penalty
-                                                      : 2 * unnamed_penalty;
+  // A frame displaces the first joint in all directions: of two that leave the same it is the simpler cause.
+  double cost = (m.frames().target ? unnamed_penalty : 0) + (m.frames().base ? 0.5 * unnamed_penalty : 0);
   for (const TipTerm& t : m.terms()) cost += penalty(m, t);
   return m.value(m.solution(), m.size() + free) - cost;
+}
+
+/// The best model with or without unknown frames.
+/// @param start  frames that the record is known to need
+TipModel best_framed(const OperationalModel& model, const TipEvidence& e, UnknownFrames start,
+                     std::uint64_t seed, const TipSelectOptions& options) {
+  const TipModel ideal(model, e, start, seed);
+  TipModel found = best_model(ideal, options);
+  const TipModel known = found;
+  for (const UnknownFrames frames :
+       {UnknownFrames{.target = true}, UnknownFrames{.base = true}, UnknownFrames{true, true}}) {
+    if (frames.size() <= start.size()) continue;
+    // Many terms together may imitate a frame.
+    if (!needs(frames, ideal, options) && !needs(frames, known, options)) continue;
+    TipModel framed = best_model(TipModel(model, e, frames, seed), options);
+    if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
+  }
+  return found;
+}
+
+/// Which frames a record needs is seen in some of its rows, if it is seen at all:
+UnknownFrames frames_of_some_rows(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
+                                  const TipSelectOptions& options) {
+  constexpr Eigen::Index enough = 600;
+  if (e.rows() < 2 * enough) return {};
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index k = 0; k < e.rows(); k += e.rows() / enough) rows.push_back(k);
+  const TipEvidence some = with_rows(e, rows);
+  return best_framed(model, some, {}, seed, options).frames();
 }
 
 }  // namespace
 
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
-  const TipModel ideal(model, e, UnknownFrames::none, seed);
-  TipModel found = best_model(ideal, options);
-  const TipModel known = found;
-  for (const UnknownFrames frames : {UnknownFrames::target, UnknownFrames::all}) {
-    // Many terms together may imitate a frame.
-    if (!needs(frames, ideal, options) && !needs(frames, known, options)) continue;
-    TipModel framed = best_model(TipModel(model, e, frames, seed), options);
-    if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
-  }
-  TipSelection s{std::move(found), {}, {}};
+  TipSelection s{best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options), {}, {}};
   find_tip_alternatives(model, s);
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const TipTerm& t = s.model.terms()[i];
@@ -348,7 +372,7 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
   const TipEvidence wide =
       random_poses(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
-  TipModel poses(model, wide, UnknownFrames::none, fitted.seed());
+  TipModel poses(model, wide, {}, fitted.seed());
   const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
   Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
   const auto append = [&](const TipTerm& t) {
@@ -357,8 +381,8 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   };
   for (std::size_t i = 0; i < fitted.terms().size(); ++i)
     if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
-  if (fitted.frames() == UnknownFrames::all) append({TipTerm::Kind::base, {}, 0});
-  if (fitted.frames() != UnknownFrames::none) append({TipTerm::Kind::tool, {}, 0});
+  if (fitted.frames().base) append({TipTerm::Kind::base, {}, 0});
+  if (fitted.frames().target) append({TipTerm::Kind::tool, {}, 0});
   const Eigen::VectorXd fit = least_norm_solution(rest, target);
   return (target - rest * fit).norm() < 1e-6 * target.norm();
 }

@@ -92,7 +92,7 @@ std::optional<TrackedTip> tracked_tip(const Sanity& s) {
   const Chain chain = as_built(s.model.chain, s.present);
   for (std::size_t k = 0; k < kept.size(); ++k)
     t.model.row(static_cast<Eigen::Index>(k)) =
-        forward_kinematics(chain, joints->row(kept[k]).transpose()).translation();
+        qerr::tracked_tip(chain, joints->row(kept[k]).transpose()).translation();
   return t;
 }
 
