@@ -295,6 +295,23 @@ double value_with_penalties(const TipModel& m) {
   return m.value(m.solution(), m.size() + free) - cost;
 }
 
+/// Whether the tracker's frame is turned across the axis of the first joint. If not, a displaced first joint
+/// with another zero is the simpler cause of the same.
+bool is_turned(const TipModel& m, double alpha) {
+  const ChainJoint& first = m.nominal().joints.front();
+  const Eigen::AngleAxisd turn((m.estimate().base * m.nominal().tracker.inverse()).linear());
+  const Eigen::Vector3d axis =
+      (m.nominal().tracker.linear() * first.origin.linear() * first.axis).normalized();
+  Eigen::MatrixXd across = Eigen::MatrixXd::Identity(3, 3);
+  if (!first.prismatic) across -= axis * axis.transpose();
+  const Eigen::VectorXd rotation = across * (turn.angle() * turn.axis());
+  const Eigen::MatrixXd columns = m.all_columns().middleCols(3, 3);
+  const double inflation = TipModel::variance_inflation(m.solution(), columns,
+                                                        static_cast<Eigen::Index>(m.evidence().axes.size()));
+  const NormalInverse information(inflation * across * m.solution().covariance.block(3, 3, 3, 3) * across);
+  return p_value(0.5 * rotation.dot(information.inverse * rotation), information.rank) < alpha;
+}
+
 /// The best model with or without unknown frames.
 /// @param start  frames that the record is known to need
 TipModel best_framed(const OperationalModel& model, const TipEvidence& e, UnknownFrames start,
@@ -308,6 +325,7 @@ TipModel best_framed(const OperationalModel& model, const TipEvidence& e, Unknow
     // Many terms together may imitate a frame.
     if (!needs(frames, ideal, options) && !needs(frames, known, options)) continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
+    if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) continue;
     if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
   }
   return found;
