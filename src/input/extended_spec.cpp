@@ -28,7 +28,8 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
     node.entries.push_back({{std::string(key), {}}, scalar_node(text)});
   };
   add("type", added.effect.type);
-  add("joint", added.effect.joint);
+  // What is wrong at the tip alone is wrong at every joint: the delay of the tracker's stamps.
+  add("joint", added.effect.joint == "tip" ? "*" : added.effect.joint);
   for (const Parameter& row : kind.parameters) {
     const auto number = added.effect.numbers.find(std::string(row.name));
     if (number != added.effect.numbers.end() && row.fallback != number->second)

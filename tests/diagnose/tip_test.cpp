@@ -154,6 +154,36 @@ TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
   }
 }
 
+// Stamps of a tracker that are several rows too early or late: to first order in the delay the arm would keep
+// errors of many counts, and each joint would have a delay of its own.
+TEST(DiagnoseTip, StampsOfATrackerHaveOneDelay) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Dice dice(7700 + seed);
+    const std::size_t joints = 3 + dice.below(3);
+    const Arm arm = random_arm(dice, joints);
+    const std::vector<double> resolution(joints, 2e-5);
+    const Record whole = motion(dice, joints, 4000);
+    const Eigen::Index late = (seed % 2 == 0 ? -1 : 1) * static_cast<Eigen::Index>(2 + dice.below(5)),
+                       rows = 3980;
+    Record r;
+    r.time = whole.time.head(rows);
+    r.joints = whole.joints.middleCols(10, rows);
+    r.additions = whole.joints.middleCols(10 - late, rows) - r.joints;
+    const Log log = log_of(dice, arm, r, resolution, 2e-5);
+    const Diagnosis d = judge(arm.model(resolution), log);
+    ASSERT_EQ(d.causes.size(), 1U) << "seed " << seed << ": " << summary(d);
+    EXPECT_EQ(d.causes[0].effect.type, "latency");
+    EXPECT_EQ(d.causes[0].effect.joint, "tip");
+    EXPECT_NEAR(d.causes[0].effect.number("delay"), 0.01 * static_cast<double>(late), 1e-4) << summary(d);
+    EXPECT_EQ(d.verdict, Verdict::explained) << "seed " << seed << ": " << summary(d);
+    std::vector<Effect> present;
+    for (std::size_t j = 0; j < joints; ++j)
+      present.push_back({"latency", "j" + std::to_string(j + 1), d.causes[0].effect.numbers, {}});
+    const Diagnosis second = diagnose(arm.model(resolution), {}, present, log);
+    EXPECT_EQ(second.verdict, Verdict::nothing_wrong) << "seed " << seed << ": " << summary(second);
+  }
+}
+
 TEST(DiagnoseTip, ReportsShiftsAlongParallelAxesAsIndistinguishable) {
   Dice dice(5);
   const Arm arm{{{0, 0, 0.3}, {0.4, 0, 0}, {0.3, 0, 0.05}},

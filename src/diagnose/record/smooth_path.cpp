@@ -226,6 +226,16 @@ void interpolate_rates(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, doub
 
 }  // namespace
 
+double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
+                   double instant) {
+  const auto next = std::upper_bound(time.begin(), time.end(), instant);
+  const auto k = std::clamp<Eigen::Index>(next - time.begin() - 1, 0, time.size() - 1);
+  if (next == time.begin() || next == time.end()) return path[k] + velocity[k] * (instant - time[k]);
+  const double length = time[k + 1] - time[k], u = (instant - time[k]) / length, v = 1 - u;
+  return v * v * (1 + 2 * u) * path[k] + u * u * (3 - 2 * u) * path[k + 1] +
+         length * u * v * (v * velocity[k] - u * velocity[k + 1]);
+}
+
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   if (!has_path(time)) return 0;
   return std::max(noise_of(time, recorded, log_resolution), log_resolution / std::sqrt(12.0));

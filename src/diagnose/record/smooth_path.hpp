@@ -23,6 +23,11 @@ struct SmoothPath {
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
                        bool smooth_rates = false);
 
+/// The path at any instant: cubic between its rows, straight beyond its ends.
+/// @param time  increasing [s]
+double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
+                   double instant);
+
 /// `noise` of the smooth path alone.
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -17,16 +18,6 @@ struct SignalPath {
   const Evidence& e;
   const Eigen::ArrayXd &path, &velocity;  ///< of what the effect acts on
   Eigen::ArrayXd signal;
-
-  /// The path at any instant: cubic between its rows, straight beyond its ends.
-  double position_at(double time) const {
-    const auto next = std::upper_bound(e.time.begin(), e.time.end(), time);
-    const auto k = std::clamp<Eigen::Index>(next - e.time.begin() - 1, 0, e.rows() - 1);
-    if (next == e.time.begin() || next == e.time.end()) return path[k] + velocity[k] * (time - e.time[k]);
-    const double length = e.time[k + 1] - e.time[k], u = (time - e.time[k]) / length, v = 1 - u;
-    return v * v * (1 + 2 * u) * path[k] + u * u * (3 - 2 * u) * path[k + 1] +
-           length * u * v * (v * velocity[k] - u * velocity[k + 1]);
-  }
 
   void act(const Effect& effect) {
     const EffectKind& kind = effect_kind(effect.type);
@@ -46,7 +37,7 @@ struct SignalPath {
                           e.effort.size() > 0 ? e.effort[k] : 0,
                           e.temperature.size() > 0 ? e.temperature[k] : 0};
       if (stage == Stage::clock) {
-        signal[k] += position_at(action(e.time[k], moment)) - path[k];
+        signal[k] += position_at(e.time, path, velocity, action(e.time[k], moment)) - path[k];
       } else if (stage == Stage::decoder) {
         const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
         signal[k] += sign * (action(count, moment) - count) * e.step();

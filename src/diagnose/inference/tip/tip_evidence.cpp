@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -45,13 +47,43 @@ Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t
   return e;
 }
 
-/// Moves the joints to where a model that has these effects expects them.
+/// The readings at the instants of their joints: at t the one whose clock says t.
+Eigen::ArrayXd in_time(const Evidence& own, const std::vector<Effect>& of_clock) {
+  Eigen::ArrayXd path = own.path;
+  for (const Effect& effect : of_clock) {
+    if (effect.joint != own.joint) continue;
+    const Action instant = effect_kind(effect.type).action(effect, own.encoder, 0);
+    const Eigen::ArrayXd read = path;
+    for (Eigen::Index k = 0; k < own.rows(); ++k)
+      path[k] = position_at(own.time, read, own.velocity, 2 * own.time[k] - instant(own.time[k], {}));
+  }
+  return path;
+}
+
+/// Moves the joints to where a model that has these effects expects them: path + what the effects add to it
+/// is the reading. The path is a fixed point, as effects add little.
 void take_off(TipEvidence& e, const std::vector<Effect>& present) {
+  constexpr int most_rounds = 12;
+  constexpr double negligible = 0.01;  // [counts]
+  std::vector<Effect> of_clock, others;
+  for (const Effect& effect : present) {
+    const EffectKind& kind = effect_kind(effect.type);
+    if (kind.stage != Stage::clock)
+      others.push_back(effect);
+    else if (e.ordered && !kind.random())
+      of_clock.push_back(effect);
+  }
   for (std::size_t i = 0; i < e.encoders.size(); ++i) {
     Evidence& own = e.encoders[i];
-    const Eigen::ArrayXd added = with_effects(own, present).reference - own.reference;
-    e.joints -= e.to_joints.col(static_cast<Eigen::Index>(i)) * added.matrix().transpose();
-    own.path -= added;
+    const Eigen::ArrayXd read = own.path, timed = own.path = in_time(own, of_clock);
+    Eigen::ArrayXd added = Eigen::ArrayXd::Zero(own.rows());
+    for (int round = 0; round < most_rounds && !others.empty(); ++round) {
+      const Eigen::ArrayXd before = added;
+      added = with_effects(own, others).reference - own.reference;
+      own.path = timed - added;
+      if (!((added - before).abs().maxCoeff() > negligible * own.step())) break;
+    }
+    e.joints -= e.to_joints.col(static_cast<Eigen::Index>(i)) * (read - own.path).matrix().transpose();
   }
 }
 
@@ -128,6 +160,23 @@ void shorten(TipEvidence& e) {
   e.tip = fewer.columns(e.tip);
 }
 
+/// Keeps the paths, and takes off the rows at both ends, whose neighbours in time are missing.
+TipEvidence without_ends(TipEvidence e) {
+  constexpr double longest = 0.2, part = 0.02;  // [s], and of the record
+  auto paths = std::make_shared<std::vector<EncoderPath>>();
+  for (const Evidence& own : e.encoders) paths->push_back({own.time, own.measured, own.path, own.velocity});
+  e.paths = std::move(paths);
+  e.row_of_path.resize(static_cast<std::size_t>(e.rows()));
+  std::iota(e.row_of_path.begin(), e.row_of_path.end(), Eigen::Index{0});
+  if (!e.ordered || e.rows() == 0) return e;
+  const Eigen::ArrayXd& time = e.encoders.front().time;
+  const double first = time[0], last = time[e.rows() - 1], margin = std::min(longest, part * (last - first));
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    if (time[k] >= first + margin && time[k] <= last - margin) kept.push_back(k);
+  return with_rows(std::move(e), kept);
+}
+
 }  // namespace
 
 std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std::vector<Effect>& present,
@@ -179,7 +228,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   });
   take_off(e, present);
   shorten(e);
-  return e;
+  return without_ends(std::move(e));
 }
 
 TipEvidence with_rows(TipEvidence e, const std::vector<Eigen::Index>& rows) {
@@ -188,9 +237,11 @@ TipEvidence with_rows(TipEvidence e, const std::vector<Eigen::Index>& rows) {
       if (series->size() > 0) *series = (*series)(rows).eval();
   e.joints = e.joints(Eigen::all, rows).eval();
   e.tip = e.tip(Eigen::all, rows).eval();
-  std::vector<Eigen::Index> of_log;
-  for (const Eigen::Index k : rows) of_log.push_back(e.row_of_log[static_cast<std::size_t>(k)]);
-  e.row_of_log = std::move(of_log);
+  for (std::vector<Eigen::Index>* numbers : {&e.row_of_log, &e.row_of_path}) {
+    std::vector<Eigen::Index> kept;
+    for (const Eigen::Index k : rows) kept.push_back((*numbers)[static_cast<std::size_t>(k)]);
+    *numbers = std::move(kept);
+  }
   return e;
 }
 
@@ -230,6 +281,8 @@ Eigen::Index TipTerm::size() const {
   switch (kind) {
     case Kind::encoder:
       return term.size();
+    case Kind::late:
+      return 1;
     case Kind::geometry:
     case Kind::frame_tilt:
     case Kind::axis_tilt:
@@ -242,12 +295,33 @@ Eigen::Index TipTerm::size() const {
   return 0;
 }
 
-TipColumns TipTerm::at(const TipPose& p) const {
+DelayedReading delayed_reading(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
+  constexpr double h = 1e-3;  // [s], within which rates hardly change
+  const EncoderPath& path = (*e.paths)[encoder];
+  const double time = e.encoders[encoder].time[row];
+  const auto at = [&](double instant) {
+    return position_at(path.time, path.position, path.velocity, instant);
+  };
+  // The reading is of `delay` before; where the joint is now will be read then.
+  return {at(time) - at(time + delay), (at(time + delay - h) - at(time + delay + h)) / (2 * h)};
+}
+
+TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate& estimate,
+                       Eigen::Index row) const {
   const auto place = static_cast<Eigen::Index>(where);
   TipColumns columns(3, size());
   switch (kind) {
     case Kind::encoder:
-      throw std::logic_error("an encoder's term depends on more than the pose");
+      columns = p.encoders.col(place) * term.columns.row(row).matrix();
+      break;
+    case Kind::late:
+      columns.setZero();
+      for (std::size_t i = 0; i < e.encoders.size(); ++i)
+        if (delays(i, e)) {
+          const auto at = static_cast<Eigen::Index>(i);
+          columns += p.encoders.col(at) * delayed_reading(e, i, row, estimate.delay[at]).slope;
+        }
+      break;
     case Kind::geometry:
       // The true joint is displaced from the model's: estimate - true is minus the displacement.
       columns = -p.before[where] * directions;
@@ -298,11 +372,22 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
           terms.push_back({TipTerm::Kind::geometry, std::move(t), place.link, direction});
         }
   }
+  const std::string delay = latency_effect().name.data();
+  std::optional<Term> late;
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
     if (e.judged(i))
-      for (Term& t : named_terms(corrected_evidence(e, estimate, i)))
-        if (!t.of_reference)  // without a reference at the joint, the encoder's own path drives no play
-          terms.push_back({TipTerm::Kind::encoder, std::move(t), i});
+      for (Term& t : named_terms(corrected_evidence(e, estimate, i))) {
+        if (t.of_reference)
+          continue;  // without a reference at the joint, the encoder's own path drives no play
+        const bool delays = t.effect.type == delay;
+        if (delays) late = t;
+        terms.push_back({delays ? TipTerm::Kind::late : TipTerm::Kind::encoder, std::move(t), i});
+      }
+  const auto count = e.encoders.size();
+  if (late && count > 1) {
+    late->effect.joint = "tip";
+    terms.push_back({TipTerm::Kind::late, std::move(*late), count});
+  }
   return terms;
 }
 
@@ -344,7 +429,8 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
   const Evidence own = corrected_evidence(e, estimate, t.where);
   const Effect& effect = t.term.effect;
   if (t.term.hysteresis) {
-    if (c[0] > own.step()) t.term.columns = t.term.hysteresis(own.measured, c[0]);
+    if (c[0] > own.step())
+      t.term.columns = t.term.hysteresis((*e.paths)[t.where].measured, c[0])(e.row_of_path);
   } else if (t.term.step) {
     return;  // independent of the path
   } else if (t.term.reshaped) {

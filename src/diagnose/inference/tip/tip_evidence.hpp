@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,11 @@
 #include "qerr/simulate/log.hpp"
 
 namespace qerr {
+
+/// Readings and path of an encoder in time [s, rad or m and their rate].
+struct EncoderPath {
+  Eigen::ArrayXd time, measured, position, velocity;
+};
 
 /// Record of a tracked tip: its positions, and the best known joint positions (by the joint's reference where
 /// there is one, else by its encoder).
@@ -29,6 +35,10 @@ struct TipEvidence {
   /// repeated [m].
   double repeat_noise = 0;
   std::vector<Eigen::Index> row_of_log;  ///< the first of every row
+  /// Paths of the encoders also beyond the rows: a late reading is of an instant near by, and a play is where
+  /// the motion before has left it.
+  std::shared_ptr<const std::vector<EncoderPath>> paths;
+  std::vector<Eigen::Index> row_of_path;
 
   Eigen::Index rows() const { return tip.cols(); }
   bool judged(std::size_t encoder) const {  ///< whether the tip is the only truth of this encoder
@@ -62,14 +72,15 @@ struct TipPose {
 struct TipEstimate {
   Chain chain;
   Eigen::MatrixXd additions;  ///< encoders x rows: additions of the causes to the readings [rad or m]
+  Eigen::VectorXd delay;      ///< age of every encoder's readings [s]; what it adds is part of the additions
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< of the robot in the tracker's frame
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< the target, in the frame of the model's tip [m]
 
   TipPose pose(const TipEvidence&, Eigen::Index row) const;
 };
 
-/// Of one term at one pose: [m] per unit of its coefficients, at most the six of a frame.
-using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6>;
+/// Of one term at one pose: [m] per unit of its coefficients; a frame has six.
+using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 8>;
 
 /// A cause of an error of the tip.
 struct TipTerm {
@@ -79,7 +90,8 @@ struct TipTerm {
     frame_tilt,  ///< rotates a joint's frame with all that follows: <origin rpy> of the URDF
     axis_tilt,   ///< rotates a joint's axis alone, what follows stays in the zero pose: <axis> of the URDF
     base,        ///< displaces and rotates the robot in the tracker's frame
-    tool         ///< displaces the target in the tip's frame
+    tool,        ///< displaces the target in the tip's frame
+    late         ///< delays the readings of an encoder, or of all (`where`: the number of encoders)
   };
   Kind kind = Kind::encoder;
   Term term;              ///< its effect and fill; of an encoder's the columns too
@@ -90,15 +102,27 @@ struct TipTerm {
   Eigen::Matrix3Xd directions = {};
   bool slides = false;      ///< of an axis: its joint is prismatic
   bool kinematic() const {  ///< whether it depends on the pose alone
-    return kind != Kind::encoder || term.constant;
+    return kind == Kind::encoder ? term.constant : kind != Kind::late;
+  }
+  /// Of a late term: whether it delays this encoder.
+  bool delays(std::size_t encoder, const TipEvidence& e) const {
+    return kind == Kind::late && (where == e.encoders.size() ? e.judged(encoder) : where == encoder);
   }
   Eigen::Index size() const;
 
-  /// Of a term that is not an encoder's: estimate - true at the tip per unit of the coefficients, 3 x size.
-  TipColumns at(const TipPose&) const;
+  /// estimate - true at the tip per unit of the coefficients, 3 x size.
+  TipColumns at(const TipPose&, const TipEvidence&, const TipEstimate&, Eigen::Index row) const;
 };
 
-/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference.
+/// What the delay of an encoder adds to its reading at a row, by the path [rad or m], and its slope by the
+/// delay.
+struct DelayedReading {
+  double addition, slope;
+};
+DelayedReading delayed_reading(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
+
+/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; a delay of
+/// all readings, which is that of the tracker's stamps, too.
 std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 
 /// Tilts of every joint's frame, but of the first, which is one of the tracker's frame, and of every joint's

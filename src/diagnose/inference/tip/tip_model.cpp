@@ -23,6 +23,7 @@ TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, U
   estimate_.chain = model.chain;
   estimate_.base = model.chain.tracker;
   estimate_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
+  estimate_.delay.setZero(estimate_.additions.rows());
   theta_.resize(0);
   if (frames_.base) align();
   fit();
@@ -78,15 +79,9 @@ Eigen::MatrixXd TipModel::columns(const TipTerm& t) const {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   Eigen::MatrixXd out(y_.size(), t.size());
   for (Eigen::Index k = 0; k < evidence_->rows(); ++k) {
-    const TipPose& pose = (*poses_)[static_cast<std::size_t>(k)];
-    const auto& turn = turn_[static_cast<std::size_t>(k)];
-    auto rows = out.middleRows(k * coordinates, coordinates);
-    if (t.kind == TipTerm::Kind::encoder) {
-      const Eigen::Vector3d moved = pose.encoders.col(static_cast<Eigen::Index>(t.where));
-      rows.noalias() = (turn * moved) * t.term.columns.row(k).matrix();
-    } else {
-      rows.noalias() = turn * t.at(pose);
-    }
+    const auto row = static_cast<std::size_t>(k);
+    out.middleRows(k * coordinates, coordinates).noalias() =
+        turn_[row] * t.at((*poses_)[row], *evidence_, estimate_, k);
   }
   return out;
 }
@@ -248,6 +243,7 @@ void TipModel::align() {
 void TipModel::update_estimate() {
   std::vector<Effect> built;
   estimate_.additions.setZero();
+  estimate_.delay.setZero();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     TipTerm& t = terms_[i];
     const Eigen::VectorXd c = coefficients(i);
@@ -257,8 +253,15 @@ void TipModel::update_estimate() {
     } else if (t.kind == TipTerm::Kind::encoder) {
       estimate_.additions.row(static_cast<Eigen::Index>(t.where)) +=
           (t.term.columns.matrix() * c).transpose();
+    } else if (t.kind == TipTerm::Kind::late) {
+      for (std::size_t e = 0; e < evidence_->encoders.size(); ++e)
+        if (t.delays(e, *evidence_)) estimate_.delay[static_cast<Eigen::Index>(e)] += c[0];
     }
   }
+  for (Eigen::Index e = 0; e < estimate_.delay.size(); ++e)
+    for (Eigen::Index k = 0; estimate_.delay[e] != 0 && k < evidence_->rows(); ++k)
+      estimate_.additions(e, k) +=
+          delayed_reading(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay[e]).addition;
   estimate_.chain = as_built(model_->chain, built);
   for (std::size_t i = 0; i < terms_.size(); ++i)
     if (const TipTerm& t = terms_[i];

@@ -70,8 +70,11 @@ Shift largest_shift(const Eigen::MatrixXd& left) {
   Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(left.cols());
   Shift best{0, Eigen::RowVectorXd::Zero(left.cols()), 0};
   if (!(whole > 0)) return best;
-  for (Eigen::Index k = 1; k < left.rows(); ++k) {
+  // A few rows at an end are no shift, but where a motion or a play begins.
+  const Eigen::Index fewest = std::clamp<Eigen::Index>(left.rows() / 8, 1, 8);
+  for (Eigen::Index k = 1; k <= left.rows() - fewest; ++k) {
     before += centred.row(k - 1);
+    if (k < fewest) continue;
     const double rows = static_cast<double>(k), both = rows * (n - rows) / n;
     const double share = before.squaredNorm() / both / whole;
     if (share > best.share) best = {k, -before / both, share};
