@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 #include "core/parallel.hpp"
@@ -59,30 +60,58 @@ std::size_t ColumnStatistics::wanted_values() const {
 /// LargestValues take less time than all of them where few are wanted.
 bool ColumnStatistics::keeps_all() const { return 16 * wanted_values() > columns_.configurations(); }
 
-/// @param values  memory for those of every form, if it keeps all
+/// The columns of a coordinate, then the norms of the joints, from a configuration on.
+std::vector<const double*> ColumnStatistics::columns_from(std::size_t coordinate, std::size_t first) const {
+  std::vector<const double*> columns;
+  for (std::size_t k = 0; k < columns_.columns(); ++k)
+    columns.push_back(columns_.column(coordinate, k) + first);
+  for (std::size_t j = 0; j < columns_.joints(); ++j) columns.push_back(columns_.norms(j) + first);
+  return columns;
+}
+
+/// What keeps the largest values of each form, with what a sample of the batches says of them.
+std::vector<LargestValues> ColumnStatistics::largest_values(std::size_t coordinate,
+                                                            std::span<const ColumnForm> forms,
+                                                            bool sampled) const {
+  constexpr std::size_t every = 32;  // a thirtieth of the time of all batches
+  std::vector<std::vector<double>> samples(forms.size());
+  AlignedNumbers figures(forms.size() * batch_size);
+  const std::size_t batches = sampled ? columns_.configurations() / batch_size : 0;  // whole ones
+  for (std::size_t b = 0; b < batches; b += every) {
+    kernels_.forms(columns_from(coordinate, b * batch_size).data(), forms.size(), forms.data(), wanted_.mean,
+                   figures.data());
+    for (std::size_t f = 0; f < forms.size(); ++f)
+      samples[f].insert(samples[f].end(), figures.data() + f * batch_size,
+                        figures.data() + (f + 1) * batch_size);
+  }
+  std::vector<LargestValues> largest;
+  for (std::vector<double>& sample : samples) largest.emplace_back(wanted_values(), sample, every);
+  return largest;
+}
+
+/// @param values   memory for those of every form, if it keeps all
+/// @param sampled  whether a sample may say which values are among the largest
 void ColumnStatistics::evaluate_tile(std::size_t coordinate, std::span<const ColumnForm> forms,
-                                     double* values) const {
+                                     double* values, bool sampled) const {
   constexpr std::size_t batches_per_sum = 64;  // as in `workspace`: long sums of double lose digits
   const std::size_t configurations = columns_.configurations();
   AlignedNumbers figures(forms.size() * batch_size);
   std::vector<Tally> tallies(forms.size());
   std::vector<JoinedTally> joined(forms.size());
   const bool all = keeps_all();
-  std::vector<LargestValues> largest(all || wanted_values() == 0 ? 0 : forms.size(),
-                                     LargestValues(wanted_values()));
-  std::vector<const double*> columns;
-  for (std::size_t k = 0; k < columns_.columns(); ++k) columns.push_back(columns_.column(coordinate, k));
-  for (std::size_t j = 0; j < columns_.joints(); ++j) columns.push_back(columns_.norms(j));
+  std::vector<LargestValues> largest;
+  if (!all && wanted_values() > 0) largest = largest_values(coordinate, forms, sampled);
+  std::vector<const double*> columns = columns_from(coordinate, 0);
   for (std::size_t first = 0, joined_up_to = 0; first < configurations; first += batch_size) {
     const std::size_t count = std::min(batch_size, configurations - first), end = first + count;
-    kernels_.forms(columns.data(), forms.size(), forms.data(), figures.data());
+    kernels_.forms(columns.data(), forms.size(), forms.data(), wanted_.mean, figures.data());
     for (const double*& column : columns) column += batch_size;
     if (count == batch_size) kernels_.tally(forms.size(), figures.data(), first, tallies.data(), nullptr);
     for (std::size_t f = 0; f < forms.size(); ++f) {
       const double* const own = figures.data() + f * batch_size;
       if (count < batch_size) tally_some(own, count, first, tallies[f]);
       if (all) std::copy_n(own, count, values + f * configurations + first);
-      if (!largest.empty()) largest[f].add({own, count});
+      if (!largest.empty()) largest[f].add(kernels_, own, count);
     }
     if (end < configurations && end - joined_up_to < batches_per_sum * batch_size) continue;
     for (std::size_t f = 0; f < forms.size(); ++f)
@@ -92,17 +121,25 @@ void ColumnStatistics::evaluate_tile(std::size_t coordinate, std::span<const Col
   for (std::size_t f = 0; f < forms.size(); ++f) {
     OrderStatistic order;
     if (all) order = order_statistics({values + f * configurations, configurations}, joined[f]);
+    if (!largest.empty() && !largest[f].complete()) {
+      evaluate_tile(coordinate, forms.subspan(f, 1), values, false);
+      continue;
+    }
     if (!largest.empty()) order = std::move(largest[f]).order_statistics();
-    set(*forms[f].statistic, joined[f], order);
+    set(*forms[f].statistic, joined[f], order, forms[f].squared && !wanted_.mean);
   }
 }
 
-void ColumnStatistics::set(Statistic& s, const JoinedTally& tally, const OrderStatistic& order) const {
-  if (wanted_.min) s.min = tally.min();
+/// @param squares  whether the values are squares of the figure's, as their roots are needed for means only
+void ColumnStatistics::set(Statistic& s, const JoinedTally& tally, const OrderStatistic& order,
+                           bool squares) const {
+  const auto value = [&](double number) { return squares ? std::sqrt(number) : number; };
+  if (wanted_.min) s.min = value(tally.min());
   if (wanted_.mean) s.mean = tally.mean();
-  if (wanted_.max) s.max = tally.max();
+  if (wanted_.max) s.max = value(tally.max());
   for (const StatisticKind* kind : wanted_.percentiles)
-    s.*kind->value = percentile(kind->percentile, tally.count(), order);
+    s.*kind->value =
+        percentile(kind->percentile, tally.count(), [&](std::uint64_t rank) { return value(order(rank)); });
 }
 
 namespace {
@@ -119,7 +156,13 @@ class CoordinateForms {
     }
   }
 
-  std::span<const ColumnForm> all() const { return all_; }
+  /// Those of one shape side by side.
+  std::span<const ColumnForm> all() {
+    std::stable_sort(all_.begin(), all_.end(), [](const ColumnForm& a, const ColumnForm& b) {
+      return std::tuple(a.squared, a.columns, !a.means) < std::tuple(b.squared, b.columns, !b.means);
+    });
+    return all_;
+  }
 
   /// Only quantization: behind a filter every figure is a multiple.
   static bool is_plain(const OperationalModel& model) { return model.sources.empty() && !model.along_motion; }

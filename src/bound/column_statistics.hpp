@@ -42,10 +42,14 @@ class ColumnStatistics {
   }
 
  private:
-  void evaluate_tile(std::size_t coordinate, std::span<const ColumnForm>, double* values) const;
+  std::vector<const double*> columns_from(std::size_t coordinate, std::size_t first) const;
+  std::vector<LargestValues> largest_values(std::size_t coordinate, std::span<const ColumnForm>,
+                                            bool sampled) const;
+  void evaluate_tile(std::size_t coordinate, std::span<const ColumnForm>, double* values,
+                     bool sampled = true) const;
   std::size_t wanted_values() const;
   bool keeps_all() const;
-  void set(Statistic&, const JoinedTally&, const OrderStatistic&) const;
+  void set(Statistic&, const JoinedTally&, const OrderStatistic&, bool squares) const;
 
   const ErrorColumns& columns_;
   WantedStatistics wanted_;

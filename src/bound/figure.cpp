@@ -11,7 +11,9 @@
 
 #include "bound/figure_column.hpp"
 #include "bound/histogram.hpp"
+#include "bound/kernels.hpp"
 #include "core/statistics.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 
@@ -163,23 +165,36 @@ OrderStatistic order_statistics(std::span<const double> values, const JoinedTall
   return [found = std::move(found)](std::uint64_t rank) { return found.at(rank); };
 }
 
-void LargestValues::add(std::span<const double> values) {
-  added_ += values.size();
-  for (const double value : values) {
-    if (!(value > least_)) continue;
-    kept_.push_back(value);
-    if (kept_.size() < 4 * count_) continue;
-    std::nth_element(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_ - 1), kept_.end(),
-                     std::greater<>());
-    kept_.resize(count_);
-    least_ = kept_.back();
-  }
+LargestValues::LargestValues(std::size_t count, std::span<double> sample, std::size_t n)
+    : count_(count), kept_(std::make_unique_for_overwrite<double[]>(4 * count + batch_size)) {
+  // About count/n of the sample are wanted: binomial, so that four standard deviations more are enough.
+  const double wanted = static_cast<double>(count) / static_cast<double>(n);
+  const auto rank = static_cast<std::size_t>(wanted + 4 * std::sqrt(wanted) + 4);
+  if (rank >= sample.size()) return;
+  const auto nth = sample.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(sample.begin(), nth, sample.end(), std::greater<>());
+  least_ = std::nextafter(*nth, -1);  // values that equal it count
+}
+
+void LargestValues::add(const BoundKernels& kernels, const double* batch, std::size_t count) {
+  added_ += count;
+  double* const kept = kept_.get();
+  double* end = kept + size_;
+  if (count == batch_size)
+    end = kernels.append_larger(batch, least_, end);
+  else
+    end = std::copy_if(batch, batch + count, end, [&](double value) { return value > least_; });
+  size_ = static_cast<std::size_t>(end - kept);
+  if (size_ < 4 * count_) return;
+  std::nth_element(kept, kept + (count_ - 1), end, std::greater<>());
+  size_ = count_;
+  least_ = kept[count_ - 1];
 }
 
 OrderStatistic LargestValues::order_statistics() && {
-  return [kept = std::move(kept_), last = added_ - 1](std::uint64_t rank) mutable {
-    const auto nth = kept.begin() + static_cast<std::ptrdiff_t>(last - rank);
-    std::nth_element(kept.begin(), nth, kept.end(), std::greater<>());
+  return [kept = std::move(kept_), size = size_, last = added_ - 1](std::uint64_t rank) {
+    double* const nth = kept.get() + (last - rank);
+    std::nth_element(kept.get(), nth, kept.get() + size, std::greater<>());
     return *nth;
   };
 }

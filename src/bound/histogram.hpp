@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "qerr/bound/figure.hpp"
 
 namespace qerr {
+
+struct BoundKernels;
 
 /// Sum of the tallies of blocks of configurations, appended in their order.
 class JoinedTally {
@@ -51,17 +54,21 @@ OrderStatistic order_statistics(std::span<const double> values, const JoinedTall
 /// The largest ones of many values: those above the least one that still counts, which rises.
 class LargestValues {
  public:
-  /// @param count  of values that are wanted, above 0
-  explicit LargestValues(std::size_t count) : count_(count) {}
-  void add(std::span<const double> values);
+  /// @param count   of values that are wanted, above 0
+  /// @param sample  every nth one of the values, from which the least is estimated; may be empty
+  LargestValues(std::size_t count, std::span<double> sample, std::size_t n);
+  /// @param batch   batch_size values, of which the first `count` are added
+  void add(const BoundKernels&, const double* batch, std::size_t count);
+  /// Whether they are complete; else the sample was of other values, and they are added without it again.
+  bool complete() const { return size_ >= count_; }
   /// Order statistics of the largest `count` ranks.
   OrderStatistic order_statistics() &&;
 
  private:
-  std::size_t count_;
+  std::size_t count_, size_ = 0;
   std::uint64_t added_ = 0;
   double least_ = -1;
-  std::vector<double> kept_;
+  std::shared_ptr<double[]> kept_;
 };
 
 /// Counts values >= 0 in bins 2^-10 of the value wide, over 64 octaves; memory does not grow with their

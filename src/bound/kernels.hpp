@@ -91,10 +91,16 @@ struct BoundKernels {
   void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* scratch);
   /// Adds a batch of every figure to the tallies and, unless null, to the lists of bins.
   void (*tally)(std::size_t count, const double* figures, std::uint64_t first, Tally*, BinList*);
-  /// Values of forms at a batch.
+  /// Values of forms at a batch; those side by side that have one shape take less time.
   /// @param columns  [column]: its numbers of the batch
+  /// @param rooted   false: squared forms without the square root
   /// @param figures  receives [form][batch_size]
-  void (*forms)(const double* const* columns, std::size_t count, const ColumnForm*, double* figures);
+  void (*forms)(const double* const* columns, std::size_t count, const ColumnForm*, bool rooted,
+                double* figures);
+  /// Appends those of a batch that are larger.
+  /// @param to  end of the list; up to batch_size numbers are written
+  /// @returns the new end
+  double* (*append_larger)(const double* values, double least, double* to);
   /// The largest length of m + sum s_i g_i over all signs s_i = +-1, of the first `count` configurations of a
   /// batch: the farthest corner of a box that is mapped linearly to space.
   ///

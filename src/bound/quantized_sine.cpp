@@ -26,12 +26,11 @@ void each_threshold(double offset, double amplitude, Visit visit) {
 
 double root(double amplitude, double t) { return std::sqrt((amplitude - t) * (amplitude + t)); }
 
-/// sum_m a_m(nu) (2 pi A)^-m Re[e^{i phase} i^m F(x, s + m)], F(x, s) = sum_k e^{2 pi i k x} k^-s.
+/// sum_m a_m (2 pi A)^-m Re[e^{i phase} i^m F(x, s + m)], F(x, s) = sum_k e^{2 pi i k x} k^-s.
 ///
-/// a_m: Hankel's coefficients (DLMF 10.17.1). F near x = 0 (DLMF 25.12.12): Gamma(1 - s)(-2 pi i x)^(s - 1) +
-/// sum_k zeta(s - k)(2 pi i x)^k/k!. For the phases used here the first term is real for x > 0 and vanishes
-/// for x < 0: the singularity where a peak of the sine crosses a
-/// threshold.
+/// a_m: Hankel's coefficients of J_0 (DLMF 10.17.1). F near x = 0 (DLMF 25.12.12): Gamma(1 - s)(-2 pi i x)^(s
+/// - 1) + sum_k zeta(s - k)(2 pi i x)^k/k!. For the phases used here the first term is real for x > 0 and
+/// vanishes for x < 0: the singularity where a peak of the sine crosses a threshold.
 class HankelSum {
  public:
   HankelSum(double s, double phase) : lowest_power_(s - 1) {
@@ -49,7 +48,7 @@ class HankelSum {
   }
 
   /// @param bits  of the sum that are wanted
-  double operator()(int bessel_order, double x, double amplitude, int bits = full_bits) const {
+  double operator()(double x, double amplitude, int bits = full_bits) const {
     x -= std::floor(x + 0.5);
     // Successive terms shrink by |x| <= 1/2.
     const double bits_per_term = -std::log2(std::abs(x));
@@ -67,8 +66,7 @@ class HankelSum {
       sum += weight * (even + x * odd_terms + turning_[m] * power);
       power *= x;
       const double odd = 2 * static_cast<double>(m) + 1;
-      weight *= (4.0 * bessel_order * bessel_order - odd * odd) /
-                (8 * (static_cast<double>(m) + 1) * 2 * pi * amplitude);
+      weight *= -odd * odd / (8 * (static_cast<double>(m) + 1) * 2 * pi * amplitude);
     }
     return sum;
   }
@@ -101,7 +99,7 @@ double quantized_sine_mean(double offset, double amplitude) {
   }
   const double v = offset + 0.5;
   const HankelSum& sum = first_power();
-  return (sum(0, amplitude + v, amplitude) - sum(0, amplitude - v, amplitude)) /
+  return (sum(amplitude + v, amplitude) - sum(amplitude - v, amplitude)) /
          (2 * pi * pi * std::sqrt(amplitude));
 }
 
@@ -117,28 +115,10 @@ double quantized_sine_mean_square(double offset, double amplitude, int bits) {
   }
   const double v = offset + 0.5;
   const HankelSum& sum = second_power();
-  const double above = sum(0, amplitude + v, amplitude, bits);
-  // Equal at offset 1/2, the argument of autocorrelations.
-  const double below = v == 1 ? above : sum(0, amplitude - v, amplitude, bits);
+  const double above = sum(amplitude + v, amplitude, bits);
+  // Equal at offset 1/2, the argument of autocorrelations (noise_in_motion.cpp).
+  const double below = v == 1 ? above : sum(amplitude - v, amplitude, bits);
   return 1.0 / 12 + (above + below) / (2 * pi * pi * pi * std::sqrt(amplitude));
-}
-
-double quantized_sine_correlation(double offset, double amplitude) {
-  if (amplitude < large) {
-    double sum = -0.5 * amplitude * amplitude;
-    each_threshold(offset, amplitude, [&](double t, double) { sum += root(amplitude, t) / pi; });
-    return sum;
-  }
-  const double v = offset + 0.5;
-  const HankelSum& sum = first_power();
-  return std::sqrt(amplitude) * (sum(1, amplitude + v, amplitude) + sum(1, amplitude - v, amplitude)) /
-         (2 * pi * pi);
-}
-
-double quantized_sine_autocorrelation(double amplitude, double cycles_per_sample, double lag) {
-  const double swing = 2 * amplitude * std::abs(std::sin(pi * std::remainder(cycles_per_sample * lag, 1.0)));
-  // {s}(1 - {s}) is 1/4 - e^2 of s + 1/2.
-  return 6 * quantized_sine_mean_square(0.5, swing) - 0.5;
 }
 
 SineEnvelope quantized_sine_envelope(double amplitude) {

@@ -32,7 +32,8 @@ struct Option {
   double most = std::numeric_limits<double>::infinity();
   bool required = false;
   std::string_view needs = {};  ///< another option that must be given, too
-  /// Of `optional`: what can be a value, and no argument or option; and the value where there is none.
+  /// Whether a word is the value of an `optional` option, and no argument or option of its own; `implied` is
+  /// the value where none is given.
   bool (*is_value)(const std::string&) = nullptr;
   std::string_view implied = {};
   /// The permitted words; null: any text.

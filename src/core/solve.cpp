@@ -31,6 +31,7 @@ MatrixXd symmetric_inverse(const MatrixXd& m) {
 }
 
 MatrixXd least_norm_solution(const MatrixXd& a, const MatrixXd& b, std::optional<double> threshold) {
+  if (a.size() == 0) return MatrixXd::Zero(a.cols(), b.cols());  // which Eigen does not decompose
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
   if (threshold) decomposition.setThreshold(*threshold);
   decomposition.compute(a);

@@ -34,7 +34,7 @@ Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd&
 /// Inverse of a symmetric positive definite matrix, by LDL^T decomposition.
 Eigen::MatrixXd symmetric_inverse(const Eigen::MatrixXd&);
 
-/// Least-squares solution of A X = B of least norm, by complete orthogonal decomposition.
+/// Least-squares solution of A X = B of least norm, by complete orthogonal decomposition; 0 of an empty A.
 /// @param threshold  relative size below which a pivot counts as zero; by default a few rounding errors
 Eigen::MatrixXd least_norm_solution(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                     std::optional<double> threshold = {});

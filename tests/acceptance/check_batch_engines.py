@@ -25,6 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPTS, CONFIGS = ROOT / "scripts", ROOT / "configs"
 SPEC = CONFIGS / "scara" / "spec.yaml"
 FEW = ["--set", "configurations.count=300"]
+SHORT = ["--set", "motion.duration=0.2"]  # of SPEC: its noise along the motion is most of the time of a variant
 SHARDS = 5
 
 
@@ -54,15 +55,15 @@ def descendants(process):
 
 def check_sweep(t, qerr, name, script, environment, folder):
     one, merged = folder / f"{name}_one.csv", folder / f"{name}.csv"
-    run(qerr, "sweep", "-q", SPEC, *FEW, "-o", one)
+    run(qerr, "sweep", "-q", SPEC, *FEW, *SHORT, "-o", one)
     shards = pathlib.Path(f"{merged}.shards")
     shards.mkdir()
     rng = random.Random(1)
     for k in (2, 3):  # killed tasks of an earlier call; another one is complete
-        run(qerr, "sweep", "-q", SPEC, *FEW, "--shard", f"{k}/{SHARDS}", "-o", folder / "whole.csv")
+        run(qerr, "sweep", "-q", SPEC, *FEW, *SHORT, "--shard", f"{k}/{SHARDS}", "-o", folder / "whole.csv")
         torn(rng, folder / "whole.csv", shards / f"{k}.csv")
-    run(qerr, "sweep", "-q", SPEC, *FEW, "--shard", f"4/{SHARDS}", "-o", shards / "4.csv")
-    done = subprocess.run([script, SPEC, str(SHARDS), merged, *FEW], env=environment, capture_output=True, text=True, timeout=300)
+    run(qerr, "sweep", "-q", SPEC, *FEW, *SHORT, "--shard", f"4/{SHARDS}", "-o", shards / "4.csv")
+    done = subprocess.run([script, SPEC, str(SHARDS), merged, *FEW, *SHORT], env=environment, capture_output=True, text=True, timeout=300)
     same = done.returncode == 0 and filecmp.cmp(one, merged, shallow=False)
     t.check(f"{name}: {SHARDS} shards, two of them resumed, are the bytes of one run", same, done.stderr[-500:])
     t.check(f"{name}: the shards are removed", not shards.exists())
@@ -92,7 +93,7 @@ def check_killed(t, qerr, script, environment, folder):
     """Every task is killed while it runs; the second call goes on."""
     spec = folder / "slow.yaml"
     spec.write_text(SPEC.read_text().replace("urdf: scara.urdf", f"urdf: {SPEC.parent / 'scara.urdf'}"))
-    slow = ["--set", "configurations.count=200000", "--set", "filters.velocity.lowpass.order=1"]
+    slow = ["--set", "configurations.count=200000", "--set", "motion.duration=1", "--set", "filters.velocity.lowpass.order=1"]
     merged, one = folder / "killed.csv", folder / "killed_one.csv"
     call = subprocess.Popen([script, spec, "2", merged, *slow], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                             start_new_session=True)

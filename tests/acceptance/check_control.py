@@ -137,33 +137,61 @@ class Loop:
                 outs.pop()
         return value
 
-    def simulate(self, reading_error, count, quantum=None, offset=0.0, start=(0.0, 0.0)):
-        """Motion and torque; the reading is q + error, or q rounded to multiples of a quantum about an offset."""
-        x, past = np.array(start), [0.0] * (self.whole + 2)
-        states = [([0.0] * len(b), [0.0] * (len(a) - 1)) for b, a in self.sections]
-        first = None
+    def at_rest(self):
+        """Past torques, and states of the filter."""
+        return [0.0] * (self.whole + 2), [([0.0] * len(b), [0.0] * (len(a) - 1)) for b, a in self.sections]
+
+    def sample(self, x, past, states, reading, first=0.0):
+        """The motion after one sample, and its torque; `first`: the reading at which the filter has rested."""
+        u = -self.joint["kp"] * reading - self.joint["kd"] * self.filtered(reading - first, states)
+        past.insert(0, u)
+        past.pop()
+        if self.late > 0:
+            x = self.early[0] @ x + self.early[1] * past[self.whole + 1]
+        return self.after[0] @ x + self.after[1] * past[self.whole], u
+
+    def quantized(self, count, quantum, offset, start):
+        """Motion and torque; the reading is q rounded to multiples of a quantum about an offset."""
+        x, (past, states), first = np.array(start), self.at_rest(), None
         motions, torques = [], []
-        for k in range(count):
-            reading = (quantum * math.floor((x[0] - offset) / quantum + 0.5) + offset if quantum
-                       else x[0] + (reading_error if k == 0 else 0))
-            if quantum and first is None:  # the filter has rested at the first reading
-                first = reading
-            value = self.filtered(reading - (first or 0), states)
-            u = -self.joint["kp"] * reading - self.joint["kd"] * value
-            past.insert(0, u)
-            past.pop()
+        for _ in range(count):
+            reading = quantum * math.floor((x[0] - offset) / quantum + 0.5) + offset
+            first = reading if first is None else first
             motions.append(x[0])
+            x, u = self.sample(x, past, states, reading, first)
             torques.append(u)
-            if self.late > 0:
-                x = self.early[0] @ x + self.early[1] * past[self.whole + 1]
-            x = self.after[0] @ x + self.after[1] * past[self.whole]
-            if not abs(x[0]) < 1e12:
-                return None
         return np.array(motions), np.array(torques)
+
+    def sampled(self, state, error=0.0):
+        """`sample` of a state as one vector, of the reading q + error."""
+        past, states = self.at_rest()
+        numbers = iter(state[2:])
+        for values in (past, *(values for section in states for values in section)):
+            values[:] = [next(numbers) for _ in values]
+        x, u = self.sample(state[:2], past, states, state[0] + error)
+        return np.concatenate([x, past, *(values for section in states for values in section)]), u
+
+    def after_error(self, count):
+        """Motion and torque after an error of 1 in the first reading; None where they grow without end."""
+        past, states = self.at_rest()
+        size = 2 + len(past) + sum(len(values) for section in states for values in section)
+        state, first = self.sampled(np.zeros(size), 1.0)
+        columns = [self.sampled(unit) for unit in np.eye(size)]  # a sample is linear
+        power = np.array([column for column, _ in columns]).T
+        rows = np.array([[np.eye(size)[0], [u for _, u in columns]]])
+        for _ in range(6):  # the 64 samples that follow a state
+            rows, power = np.concatenate([rows, rows @ power]), power @ power
+        parts = [np.array([[0.0, first]])]
+        for _ in range(0, count, len(rows)):
+            parts.append(rows @ state)
+            state = power @ state
+            if not np.abs(parts[-1][:, 0]).max() < 1e12:
+                return None
+        return tuple(np.concatenate(parts)[:count].T)
 
     def response(self):
         for count in (1000, 4000, 16000, 64000, 256000):
-            r = self.simulate(1.0, count)
+            r = self.after_error(count)
             if r is None:
                 return None
             if max(np.abs(x[-count // 8:]).sum() / np.abs(x).sum() for x in r) < 1e-12:
@@ -314,7 +342,7 @@ def check_quantized(loop, response, count, tally, rng, name):
     reached, size = 0.0, min(4000, 4 * len(response[0]))
     for _ in range(4):
         offset = rng.choice([0.5, rng.uniform(-0.5, 0.5)]) * count
-        run_ = loop.simulate(0, size, count, offset, (rng.uniform(-2, 2) * count, 0.0))
+        run_ = loop.quantized(size, count, offset, (rng.uniform(-2, 2) * count, 0.0))
         tail = [np.abs(x[size // 2:]).max() for x in run_]
         # What is left of the start decays; the bounds hold for what quantization keeps alive.
         left = np.abs(response[0][size // 2:]).sum() if len(response[0]) > size // 2 else 0

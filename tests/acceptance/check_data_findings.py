@@ -28,7 +28,7 @@ encoders: {table: {counts_per_rev: 5000, gear_ratio: 1, travel_per_rev: 10 mm}}
 class Record:
     """A joint with an ideal encoder of 1e5 counts per revolution and a reference sensor with noise of 0.03 counts."""
 
-    def __init__(self, seed, path="sines", rows=10000, rate=1000.0, size=0.9, noise=0.03, step=STEP):
+    def __init__(self, seed, path="sines", rows=5000, rate=1000.0, size=0.9, noise=0.03, step=STEP):
         self.rng = np.random.default_rng(seed)
         self.step, self.rate, self.spec = step, rate, ROTARY
         self.time = np.arange(rows) / rate
@@ -239,7 +239,7 @@ def pause(r):
 
 
 def leap(r):
-    r.counts[6000:] += 900
+    r.counts[3000:] += 900
 
 
 def ripple(r):
@@ -274,7 +274,7 @@ FAULTS = [
     *[(f"noisy_{n}", r"coarser than the encoder|noise", {"noise", "timing_jitter"}, made(noisy(n))) for n in (1, 3)],
     ("spike_1", r"1 reading", {"missed_counts", "noise", "rollover"}, made(spikes(1, 900))),
     ("spikes_5", r"5 readings", {"missed_counts", "noise", "rollover"}, made(spikes(5, 100))),
-    ("spikes_40", r"40 readings", {"missed_counts", "noise", "rollover"}, made(spikes(40, 3000))),
+    ("spikes_40", r"40 readings", {"missed_counts", "noise", "rollover"}, made(spikes(40, 3000), rows=10000)),
     ("spikes_reference", r"9 readings", {"missed_counts", "noise", "rollover"}, made(spikes(9, 500, "reference"))),
     ("spike_first_row", r"1 reading", {"missed_counts", "noise"},
      made(lambda r: (r.counts.__setitem__(0, r.counts[0] + 700), setattr(r, "first", 1)))),

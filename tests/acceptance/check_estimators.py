@@ -147,18 +147,25 @@ def count_and_time(case, t, times, directions):
     return np.array(out)
 
 
-def adaptive_window(case, counts, fit):
+def adaptive_windows(case, counts):
+    """For every sample the longest window of differences that ends there and has all its counts near the line between its ends."""
+    lengths, grows = np.ones(len(counts), int), np.ones(len(counts), bool)
+    for n in range(1, case.longest):
+        windows = np.lib.stride_tricks.sliding_window_view(counts, n + 2)
+        lines = windows[:, :1] + (windows[:, -1:] - windows[:, :1]) * np.arange(n + 2) / (n + 1)
+        grows[:n + 1] = False
+        grows[n + 1:] &= np.abs(lines - windows).max(axis=1) <= case.band + 1e-9
+        lengths[grows] = n + 1
+    return lengths
+
+
+def adaptive_window(case, counts, lengths, fit):
     out = [0.0]
     for k in range(1, len(counts)):
-        n = 1
-        while n < min(case.longest, k):
-            window = counts[k - n - 1:k + 1]
-            line = window[0] + (window[-1] - window[0]) * np.arange(n + 2) / (n + 1)
-            if np.abs(line - window).max() > case.band + 1e-9:
-                break
-            n += 1
+        n = lengths[k]
         window = counts[k - n:k + 1]
-        slope = np.polyfit(np.arange(n + 1), window, 1)[0] if fit else (window[-1] - window[0]) / n
+        x = np.arange(n + 1) - 0.5 * n
+        slope = x @ window / (x @ x) if fit else (window[-1] - window[0]) / n
         out.append(slope * case.delta * case.rate)
     return np.array(out)
 
@@ -218,9 +225,10 @@ def main():
         found = {e["estimator"]: e for e in json.loads(ran.out)["estimators"]}
         t = np.arange(int(math.floor(case.duration * case.rate + 0.5))) / case.rate
         counts, (times, directions) = case.count(t), case.edges()
+        lengths = adaptive_windows(case, counts)
         wanted = {"edges": edge_timing(case, t, times, directions, 1), "lines": edge_timing(case, t, times, directions, 4),
-                  "counted": count_and_time(case, t, times, directions), "ends": adaptive_window(case, counts, False),
-                  "fitted": adaptive_window(case, counts, True), "held": held_difference(case, t, counts),
+                  "counted": count_and_time(case, t, times, directions), "ends": adaptive_window(case, counts, lengths, False),
+                  "fitted": adaptive_window(case, counts, lengths, True), "held": held_difference(case, t, counts),
                   "loop": tracking_loop(case, counts)}
         for name, estimate in wanted.items():
             square, worst, about = figures(case, t, estimate)

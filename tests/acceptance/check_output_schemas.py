@@ -72,7 +72,7 @@ def reports(qerr, folder):
     yield "compare", ["compare", CONFIGS / "planar_prr" / "spec.yaml", arm, *few, "--set", "encoders.*.counts_per_rev=300"]
     for spec in specs:
         if "sweep:" in spec.read_text():
-            yield "sweep", ["sweep", spec, *few]
+            yield "sweep", ["sweep", spec, *few, *(["--set", "motion.duration=0.4"] if "motion:" in spec.read_text() else [])]
     yield "sweep", ["sweep", arm, *few, "--set", "sweep=[{key: filters.velocity.lowpass.cutoff, values: [50, 1e5]}]", "--statistics", "max"]
     design = folder / "design.yaml"
     design.write_text(DESIGN.format(urdf=arm.parent / "kuka_lwr.urdf"))

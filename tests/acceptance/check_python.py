@@ -83,7 +83,8 @@ def check_reports(t, q, qerr):
         ("check", ["check", SPEC], lambda: q.check(SPEC)),
         ("filter", ["filter", SPEC], lambda: q.filter(SPEC)),
         ("simulate", ["simulate", SPEC], lambda: q.simulate(SPEC)),
-        ("sweep", ["sweep", SPEC], lambda: q.sweep(SPEC)),
+        # The noise along the motion is most of the time of a variant.
+        ("sweep", ["sweep", SPEC, "--set", "motion.duration=0.2"], lambda: q.sweep(SPEC, set={"motion.duration": 0.2})),
         ("threshold", ["threshold", SPEC], lambda: q.threshold(SPEC)),
         ("compare", ["compare", SPEC, CONFIGS / "kuka_lwr" / "spec.yaml"],
          lambda: q.compare(SPEC, CONFIGS / "kuka_lwr" / "spec.yaml")),

@@ -153,7 +153,7 @@ coordinates: [x, y, z, rx, ry, rz]
 encoders: {{'*': {{counts_per_rev: 4096, gear_ratio: 100}}}}
 filters:
 {filters}
-motion: {{sample_rate: 1 kHz, duration: 20 s, joints: {{{joints}}}}}
+motion: {{sample_rate: 1 kHz, duration: 5 s, joints: {{{joints}}}}}
 """)
         effects = "effects=[{type: backlash, joint: a2, gap: 0.2 mrad}]"
         for runs in ("1", "3"):

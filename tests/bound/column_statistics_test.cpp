@@ -123,6 +123,30 @@ TEST(ColumnStatistics, EqualsTheWorkspaceOfEveryModel) {
   }
 }
 
+TEST(ColumnStatistics, AreExactWhereASampleOfTheBatchesMisleads) {
+  // Batches of 64; every 32nd one, which is the sample, has other configurations than those between them.
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Dice dice(seed);
+    const OperationalModel model = model_with_columns(dice, 0);
+    const auto joints = static_cast<Eigen::Index>(model.transmission.encoders.size());
+    Configurations configurations{.count = 64 * 64, .ranges = {}};
+    configurations.ranges.assign(static_cast<std::size_t>(joints), {-3, 3});
+    configurations.method = SamplingMethod::list;
+    const Eigen::VectorXd rest = dice.vector(joints, -3, 3);
+    for (std::size_t i = 0; i < configurations.count; ++i)
+      configurations.points.push_back(i / 64 % 32 == 0 ? dice.vector(joints, -3, 3) : rest);
+    const std::vector<const StatisticKind*> kinds{find_statistic("max"), find_statistic("p99")};
+    const ErrorColumns columns(model, model.sources, configurations, 1);
+    const ColumnStatistics statistics(columns, WantedStatistics::of(kinds), 1);
+    const std::vector<Norms> none;
+    const ColumnModel wanted{&model, &none, error_weights(columns, model, none)};
+    WorkspaceOptions options;
+    options.threads = 1;
+    expect_equal(workspaces(statistics, {&wanted, 1}).front(),
+                 workspace(model, none, configurations, options), kinds, seed);
+  }
+}
+
 TEST(ColumnStatistics, DoNotDependOnWhatElseIsEvaluated) {
   Dice dice(5);
   const OperationalModel base = model_with_columns(dice, 0);

@@ -22,20 +22,18 @@ using testing::Measured;
 constexpr long double long_pi = std::numbers::pi_v<long double>;
 
 struct SineMoments {
-  long double mean = 0, mean_square = 0, correlation = 0;
+  long double mean = 0, mean_square = 0;
 };
 
-/// E e, E e^2 and E e (x - offset) of a quantized sine, from the arcs between the thresholds it crosses:
+/// E e and E e^2 of a quantized sine, from the arcs between the thresholds it crosses:
 /// exact for every amplitude, and with the digits of long double also for the large ones, whose sums cancel.
 SineMoments exact_moments(long double offset, long double amplitude) {
   const long double count = std::floor(offset + 0.5L);
-  SineMoments m{count - offset, amplitude * amplitude / 2 + (offset - count) * (offset - count),
-                -amplitude * amplitude / 2};
+  SineMoments m{count - offset, amplitude * amplitude / 2 + (offset - count) * (offset - count)};
   const auto cross = [&](long double t, long double side) {
     const long double arc = std::acos(t / amplitude), root = std::sqrt((amplitude - t) * (amplitude + t));
     m.mean += side * arc / long_pi;
     m.mean_square -= 2 * (root - t * arc) / long_pi;
-    m.correlation += root / long_pi;
   };
   for (long double t = count + 0.5L - offset; t < amplitude; ++t) cross(t, 1);
   for (long double t = offset - (count - 0.5L); t < amplitude; ++t) cross(t, -1);
@@ -51,9 +49,6 @@ void expect_exact_moments(double offset, double amplitude) {
       << offset << ' ' << amplitude;
   EXPECT_NEAR(quantized_sine_mean_square(offset, amplitude), static_cast<double>(m.mean_square), 3e-14)
       << offset << ' ' << amplitude;
-  EXPECT_NEAR(quantized_sine_correlation(offset, amplitude), static_cast<double>(m.correlation),
-              3e-14 * std::max(1.0, amplitude))
-      << offset << ' ' << amplitude;
 }
 
 TEST(QuantizedSineFigures, AreTheExactIntegralsForSmallAndLargeAmplitudes) {
@@ -65,19 +60,6 @@ TEST(QuantizedSineFigures, AreTheExactIntegralsForSmallAndLargeAmplitudes) {
   for (int k = -64; k <= 64; ++k)
     for (const double amplitude : {10.0, 10.5, 11.0, 12.25, 17.484375})
       expect_exact_moments(k / 64.0, amplitude);
-}
-
-TEST(QuantizedSineFigures, HaveTheAutocorrelationOfTheDifferencesSine) {
-  Dice dice(62);
-  for (int trial = 0; trial < 200; ++trial) {
-    const double amplitude = std::pow(10, dice.between(-1, 2.5)), cycles = dice.between(0, 0.6);
-    const double lag = static_cast<double>(dice.below(20));
-    // 1 - 6 E {s}(1 - {s}), and {s}(1 - {s}) is 1/4 less the squared error of s + 1/2.
-    const double swing = 2 * amplitude * std::abs(std::sin(std::numbers::pi * cycles * lag));
-    const auto square = swing > 0 ? static_cast<double>(exact_moments(0.5L, swing).mean_square) : 0.25;
-    EXPECT_NEAR(quantized_sine_autocorrelation(amplitude, cycles, lag), 1 - 6 * (0.25 - square), 1e-10)
-        << amplitude << ' ' << cycles << ' ' << lag;
-  }
 }
 
 Autocorrelation autocorrelation_of(const std::vector<double>& h) {

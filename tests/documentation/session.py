@@ -50,7 +50,7 @@ class Session:
         self._root, self._keep = root, keep_states
         self._scratch = tempfile.TemporaryDirectory()
         base = pathlib.Path(self._scratch.name)
-        self._copy, self._states = base / "copy", base / "states"
+        self._copy, self._states = base / "copy", {}
         (base / "bin").mkdir()
         (base / "bin" / "qerr").symlink_to(pathlib.Path(qerr).resolve())
         self._environment = {
@@ -61,8 +61,8 @@ class Session:
             "GNUTERM": "dumb",
             "LC_ALL": "C.UTF-8",
         }
-        for folder in ("configs", "scripts"):
-            shutil.copytree(root / folder, self._copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
+        self._copy_root()
+        self._of_root, self._read = self._stamps(), {}
         self._outputs, self._live = {}, ()
         self._store(())
 
@@ -71,20 +71,40 @@ class Session:
         key = tuple((block.language, block.before, block.body) for block in history)
         if key not in self._outputs:
             if self._live != key[:-1]:
-                shutil.rmtree(self._copy)
-                shutil.copytree(self._state(key[:-1]), self._copy)
+                self._restore(key[:-1])
             self._live = None
             self._outputs[key] = self._run(history[-1])
             self._live = key
             self._store(key)
         return self._outputs[key]
 
-    def _state(self, key):
-        return self._states / f"{hash(key):x}"
+    def _copy_root(self):
+        for folder in ("configs", "scripts"):
+            shutil.copytree(self._root / folder, self._copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def _stamps(self):
+        """When each file of the copy was written, and its size."""
+        files = (path for path in self._copy.rglob("*") if path.is_file())
+        return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in files}
 
     def _store(self, key):
-        if self._keep:
-            shutil.copytree(self._copy, self._state(key))
+        """Keeps what differs from the root: contents of files, read once, and files that are gone."""
+        if not self._keep:
+            return
+        now = self._stamps()
+        changed = {path: stamp for path, stamp in now.items() if self._of_root.get(path) != stamp}
+        self._read = {(path, stamp): self._read.get((path, stamp)) or path.read_bytes() for path, stamp in changed.items()}
+        self._states[key] = {path: content for (path, _), content in self._read.items()}, set(self._of_root) - set(now)
+
+    def _restore(self, key):
+        contents, gone = self._states[key]
+        shutil.rmtree(self._copy)
+        self._copy_root()
+        for path, content in contents.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+        for path in gone:
+            path.unlink()
 
     def _run(self, block):
         if block.language == "sh":

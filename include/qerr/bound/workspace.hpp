@@ -75,7 +75,7 @@ struct WorkspaceOptions {
   /// Compute worst case and sigma only: no rigorous bound, no shares of the encoders, no configuration of the
   /// largest position variance.
   bool brief = false;
-  /// Of `analyze`: find Analysis::warnings, which takes milliseconds a filter.
+  /// Whether `analyze` finds Analysis::warnings, which takes milliseconds a filter.
   bool warnings = true;
   InstructionSet instructions = instruction_set();
 };

@@ -32,7 +32,7 @@ class FigureValues {
                                                          const std::vector<Limits>& ranges);
 
  private:
-  /// Of a configuration of the last batch.
+  /// Value of a figure at a configuration of the last batch.
   double value(const Figure&, std::size_t configuration) const;
 
   std::vector<Norms> filters_;

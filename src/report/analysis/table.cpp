@@ -274,7 +274,7 @@ std::vector<std::string> row_of(const std::string& name, const std::string& coun
   return row;
 }
 
-/// Of every encoder, what its resolution and its accuracy contribute to the tip's variance; "" if no encoder
+/// Table of what each encoder's resolution and accuracy contribute to the tip's variance; "" if no encoder
 /// states an accuracy.
 std::string accuracy_table(const Analysis& a, const Style& style) {
   if (!states_accuracy(a.spec)) return "";

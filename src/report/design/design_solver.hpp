@@ -100,9 +100,9 @@ struct FilterSets {
 
 /// The spec's filters, with the candidates of those that the request names in all combinations.
 ///
-/// Of the candidates within a filter's limits only those matter that no other one equals in all of what the
-/// requirements ask: ||H||_2 of sigma and the ratios of slow errors, ||H||_1 and |H(1)| of a worst case, and
-/// the quantity that is minimized. Without encoders to choose, those of every family and order are kept
+/// A candidate within a filter's limits is dropped if another one equals it in all of what the requirements
+/// ask: ||H||_2 of sigma and the ratios of slow errors, ||H||_1 and |H(1)| of a worst case, and the quantity
+/// that is minimized. Without encoders to choose, those of every family and order are kept
 /// apart, so that there is a runner-up.
 /// @param limits  of the requirements of the problem's base
 /// @param goal    index of the requirement whose quantity is minimized, if any
