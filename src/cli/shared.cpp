@@ -38,7 +38,7 @@ std::vector<std::string> keys_of_spec() {
   };
   add("", spec_format::top());
   add("robot.", spec_format::robot());
-  for (const std::string key : {"tool", "tracker"}) add("robot." + key + ".", spec_format::pose());
+  for (const char* const section : {"robot.tool.", "robot.tracker."}) add(section, spec_format::pose());
   for (const std::string& key : encoder_keys()) keys.push_back("encoders.*." + key);
   add("configurations.", spec_format::configurations());
   add("motion.", spec_format::motion());

@@ -43,7 +43,7 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
 
 /// Key of `robot` that states a displaced tool or tracker; "" for an effect.
 std::string pose_key(const Effect& effect) {
-  if (effect.type == tool_effect().name) return "tool";
+  if (effect.type == tool_effect().name) return effect.type;
   return effect.type == frame_effect().name ? "tracker" : "";
 }
 
@@ -65,7 +65,7 @@ void move_pose(Node& root, const std::string& key, const Effect& found) {
   Node& stated = *robot->find(key);
   Eigen::Isometry3d pose = read_pose(Field{&stated, "robot." + key});
   const Eigen::Vector3d xyz(found.number("x"), found.number("y"), found.number("z"));
-  if (key == "tool") {
+  if (found.type == tool_effect().name) {
     set_three(stated, "xyz", pose * xyz);
     return;
   }

@@ -163,7 +163,7 @@ void shorten(TipEvidence& e) {
 /// Keeps the paths, and takes off the rows at both ends, whose neighbours in time are missing.
 TipEvidence without_ends(TipEvidence e) {
   constexpr double longest = 0.2, part = 0.02;  // [s], and of the record
-  auto paths = std::make_shared<std::vector<EncoderPath>>();
+  auto paths = std::make_shared<std::vector<ReadPath>>();
   for (const Evidence& own : e.encoders) paths->push_back({own.time, own.measured, own.path, own.velocity});
   e.paths = std::move(paths);
   e.row_of_path.resize(static_cast<std::size_t>(e.rows()));
@@ -297,7 +297,7 @@ Eigen::Index TipTerm::size() const {
 
 DelayedReading delayed_reading(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
   constexpr double h = 1e-3;  // [s], within which rates hardly change
-  const EncoderPath& path = (*e.paths)[encoder];
+  const ReadPath& path = (*e.paths)[encoder];
   const double time = e.encoders[encoder].time[row];
   const auto at = [&](double instant) {
     return position_at(path.time, path.position, path.velocity, instant);

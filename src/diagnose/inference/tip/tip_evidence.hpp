@@ -15,7 +15,7 @@
 namespace qerr {
 
 /// Readings and path of an encoder in time [s, rad or m and their rate].
-struct EncoderPath {
+struct ReadPath {
   Eigen::ArrayXd time, measured, position, velocity;
 };
 
@@ -37,7 +37,7 @@ struct TipEvidence {
   std::vector<Eigen::Index> row_of_log;  ///< the first of every row
   /// Paths of the encoders also beyond the rows: a late reading is of an instant near by, and a play is where
   /// the motion before has left it.
-  std::shared_ptr<const std::vector<EncoderPath>> paths;
+  std::shared_ptr<const std::vector<ReadPath>> paths;
   std::vector<Eigen::Index> row_of_path;
 
   Eigen::Index rows() const { return tip.cols(); }
