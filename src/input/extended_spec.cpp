@@ -28,8 +28,7 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
     node.entries.push_back({{std::string(key), {}}, scalar_node(text)});
   };
   add("type", added.effect.type);
-  // What is wrong at the tip alone is wrong at every joint: the delay of the tracker's stamps.
-  add("joint", added.effect.joint == "tip" ? "*" : added.effect.joint);
+  add("joint", added.effect.joint);
   for (const Parameter& row : kind.parameters) {
     const auto number = added.effect.numbers.find(std::string(row.name));
     if (number != added.effect.numbers.end() && row.fallback != number->second)
@@ -102,6 +101,17 @@ class Extension {
       : spec_(spec), remarks_(remarks), target_(target), filters_(filters) {}
 
   void add(const AddedEffect& effect) {
+    // What is wrong at the tip alone is wrong at every joint: the delay of the tracker's stamps. A pattern
+    // would yield to an entry of the same type that names its joint.
+    if (effect.effect.joint == "tip" && pose_key(effect.effect).empty()) {
+      AddedEffect of_joint = effect;
+      for (const IndependentJoint& joint : spec_.model.chain.independent) {
+        of_joint.effect.joint = joint.name;
+        add(of_joint);
+        of_joint.note.clear();
+      }
+      return;
+    }
     const std::string why = obstacle(effect.effect);
     if (why.empty())
       accepted_.push_back(effect);

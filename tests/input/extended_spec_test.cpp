@@ -181,6 +181,26 @@ TEST(ExtendedSpec, MovesTheToolToTheTrackedPoint) {
   }
 }
 
+// An entry of one joint beats a pattern of the same type: the delay of all is written joint by joint.
+TEST(ExtendedSpec, WritesTheDelayOfTheTipForEveryJoint) {
+  const auto late = [](const std::string& joint, double delay) {
+    return AddedEffect{{"latency", joint, {{"delay", delay}}, {}}, "of the tracker"};
+  };
+  const Spec alone = spec_of(extended(base, {late("tip", 0.02)}));
+  const std::size_t joints = alone.model.chain.independent.size();
+  ASSERT_EQ(alone.effects.size(), joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    EXPECT_EQ(alone.effects[j].joint, alone.model.chain.independent[j].name);
+    EXPECT_EQ(alone.effects[j].number("delay"), 0.02);
+  }
+  const Spec both = spec_of(extended(base, {late("tip", 0.02), late(alone.effects[0].joint, -0.01)}));
+  double sum = 0;
+  for (const Effect& e : both.effects)
+    if (e.joint == alone.effects[0].joint) sum += e.number("delay");
+  EXPECT_NEAR(sum, 0.01, 1e-15);
+  EXPECT_EQ(both.effects.size(), joints + 1);
+}
+
 // The second frame is found in the axes of the one that the spec states.
 TEST(ExtendedSpec, MovesTheTrackerToTheFrameThatIsFound) {
   const Eigen::Vector3d turn(0.4, -0.3, 1.2), shift(0.1, -0.2, 0.3);

@@ -426,8 +426,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     return d;
   }
   // The fit linearizes: far from every arm of the catalogue it may leave more than it began with.
-  constexpr double rounding = 1e-9;  // [m], of a tip that is computed and not tracked
-  if (!(d.gain.rms_after <= 2 * without + rounding)) {
+  if (!(d.gain.rms_after <= 2 * without + computed_tip)) {
     d.gain = {};
     d.unexplained.push_back(
         {"tip", "no error of the catalogue brings the model near the tip", {}, {}, without});
@@ -439,14 +438,14 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   for (Unidentified& u : left)
     if (!is_linearization(u, d.gain)) d.unexplained.push_back(std::move(u));
   judge_by_repeats(s.model, d);
-  const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
-    return effect_kind(c.effect.type).stage == Stage::kinematics &&
-           c.effect.joint == model.chain.joints.front().name;
+  const std::string& first = model.chain.joints.front().name;
+  const auto at_base = std::find_if(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
+    return effect_kind(c.effect.type).stage == Stage::kinematics && c.effect.joint == first;
   });
-  if (at_base && !s.model.frames().base)
-    d.warnings.push_back(
-        "a displacement of " + model.chain.joints.front().name +
-        " is indistinguishable from one of the tracker's frame: survey the tracker at the base");
+  if (at_base != d.causes.end() && !s.model.frames().base)
+    d.alternatives.push_back(
+        {at_base->effect.type, "frame", "tip",
+         "no pose tells a displaced " + first + " from a displaced frame: survey the tracker at the base"});
   find_unseen(model, *e, d);
   return d;
 }

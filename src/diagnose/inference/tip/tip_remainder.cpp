@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/random.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/search/peaks.hpp"
 
 namespace qerr {
@@ -131,7 +132,7 @@ std::size_t structured(const Shares& s, const std::array<double, widths.size()>&
 
 std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd& left) {
   const TipEvidence& e = m.evidence();
-  if (e.rows() < fewest_rows_in_time) return {};
+  if (e.rows() < fewest_rows_in_time || !(rms(left.reshaped()) > computed_tip)) return {};
   const Eigen::ArrayXd time = time_of(e);
   const double duration = time[time.size() - 1];
   if (!(duration > 0)) return {};

@@ -7,6 +7,10 @@
 
 namespace qerr {
 
+/// What is left of a tip that is computed, as in a simulated log, and not tracked: rounding errors, without a
+/// meaning [m].
+inline constexpr double computed_tip = 1e-9;
+
 /// What a fit at the tip leaves that is neither quantization nor white noise: a step, a line of a frequency,
 /// or a slow change, in the order of the rows; poses without stamps are in the order in which they were
 /// taken.
