@@ -31,6 +31,7 @@ struct ExcessVariance {
 struct Choice {
   LinearModel::Set chosen;
   LinearModel::Set richest;  ///< found as if all samples were independent
+  LinearModel::Set named;    ///< the best of named terms alone
   LinearModel::Fit fit;      ///< of the chosen ones
   Eigen::ArrayXd residual;   ///< that they leave
   double correlation = 1;    ///< integrated autocorrelation of what the richest set leaves

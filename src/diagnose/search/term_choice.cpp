@@ -93,18 +93,28 @@ LinearModel::Set leading_names(const ErrorModel& m, const LinearModel::Set& name
 /// The best of the sets that the search reaches from nothing, from the best named terms and from what the
 /// previous pass has found: a table can take the place of any one of several named terms that together need
 /// fewer coefficients.
-LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, double independent) {
+/// @param names  receives the best named terms
+LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, double independent,
+                                LinearModel::Set& names) {
   const auto better = [&](LinearModel::Set a, LinearModel::Set b) {
     return m.criterion(a, independent) <= m.criterion(b, independent) ? a : b;
   };
   m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
   allow(m, history, [&](std::size_t i) { return m.term(i).named(); });
-  const LinearModel::Set names =
-      better(m.search(previous(m, history), 0, independent), m.search({}, 0, independent));
+  names = better(m.search(previous(m, history), 0, independent), m.search({}, 0, independent));
   m.price(independent, history.worth, history.worth_of_shapes);
   allow(m, history, [](std::size_t) { return true; });
   LinearModel::Set best = better(m.search(names, 0, independent), m.search({}, 0, independent));
   if (!history.found.empty()) best = better(std::move(best), m.search(previous(m, history), 0, independent));
+  // Names alone that leave nothing need not be worth more than the curves that do.
+  m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
+  const double duration = m.sampled().ordered ? m.sampled().time.maxCoeff() : 0;
+  const bool straight = std::any_of(names.begin(), names.end(), [&](std::size_t g) {
+    return m.term(g).reshaped && !m.term(g).harmonic && m.term(g).shape >= 2 * duration;
+  });  // an exponential that does not bend within the record
+  if (!straight && m.is_complete(names) && m.criterion(names, independent) <= m.criterion(best, independent))
+    return names;
+  m.price(independent, history.worth, history.worth_of_shapes);
   if (m.is_complete(best)) return best;
   const LinearModel::Set core = leading_names(m, names, best);
   if (core.empty()) return best;
@@ -116,12 +126,12 @@ LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, dou
 
 Choice choose_terms(ErrorModel& m, const ChoiceHistory& history) {
   Choice c;
-  c.richest = best_of_starts(m, history, m.rows());
+  c.richest = best_of_starts(m, history, m.rows(), c.named);
   const Eigen::ArrayXd residual = m.residual(c.richest, m.fit(c.richest)) * m.weight().sqrt();
   c.correlation = m.sampled().ordered ? integrated_correlation(residual) : 1;
   c.chosen = !m.sampled().ordered || c.correlation < 1.5
                  ? c.richest
-                 : best_of_starts(m, history, m.rows() / c.correlation);
+                 : best_of_starts(m, history, m.rows() / c.correlation, c.named);
   c.fit = m.fit(c.chosen);
   c.residual = m.residual(c.chosen, c.fit);
   return c;
@@ -147,7 +157,8 @@ class Refinement {
       : m_(m), choice_(choice), scanned_(scanned) {}
 
   bool refine() {
-    refine_reshaped();
+    refine_reshaped(choice_.chosen, choice_.fit, 0.02);
+    refine_time_constants();
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i) keep_size(i);
     for (const LinearModel::Set* set : {&choice_.chosen, &choice_.richest})
       for (const std::size_t g : *set) keep(m_.candidate(g));
@@ -163,31 +174,43 @@ class Refinement {
   }
 
   /// A column for the derivative by each shape beside the chosen terms.
-  void refine_reshaped() {
+  /// @param matters  part of the half-width by which a change calls for another pass
+  void refine_reshaped(const LinearModel::Set& set, const LinearModel::Fit& fit, double matters) {
     std::vector<std::size_t> shaped;
-    for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
-      if (term(i).reshaped) shaped.push_back(i);
+    for (std::size_t i = 0; i < set.size(); ++i)
+      if (m_.term(set[i]).reshaped) shaped.push_back(i);
     if (shaped.empty()) return;
-    Eigen::MatrixXd columns = m_.columns(choice_.chosen);
+    Eigen::MatrixXd columns = m_.columns(set);
     const Eigen::Index count = columns.cols();
     columns.conservativeResize(Eigen::NoChange, count + static_cast<Eigen::Index>(shaped.size()));
     for (std::size_t s = 0; s < shaped.size(); ++s) {
-      const Term& t = term(shaped[s]);
+      const Term& t = m_.term(set[shaped[s]]);
       const double by = 1e-3 * t.half_width;
       const Eigen::ArrayXXd change = t.reshaped(m_.sampled(), t, t.shape + by).columns -
                                      t.reshaped(m_.sampled(), t, t.shape - by).columns;
       columns.col(count + static_cast<Eigen::Index>(s)) =
-          change.matrix() * coefficients(shaped[s]) / (2 * by);
+          change.matrix() * m_.coefficients(set, fit, shaped[s]) / (2 * by);
     }
     const LinearModel linear(columns, m_.samples().error.matrix(), m_.weight().matrix(), columns.cols());
     const LinearModel::Fit f = linear.fit({}, {});
     for (std::size_t s = 0; s < shaped.size(); ++s) {
-      const Term& t = term(shaped[s]);
+      const Term& t = m_.term(set[shaped[s]]);
       const double by = std::clamp(f.coefficients[count + static_cast<Eigen::Index>(s)], -0.5 * t.half_width,
                                    0.5 * t.half_width);
-      changed_ |= std::abs(by) > 0.02 * t.half_width;
+      changed_ |= std::abs(by) > matters * t.half_width;
       keep_shape(t, t.shape + (std::isfinite(by) ? by : 0.0));
     }
+  }
+
+  /// Curves of time that are not named fit an exponential that is nearly right as well as a name does that is
+  /// exact: the best named terms have the time constants that they need, chosen or not.
+  void refine_time_constants() {
+    if (choice_.named == choice_.chosen) return;
+    const bool shaped = std::any_of(choice_.named.begin(), choice_.named.end(), [&](std::size_t g) {
+      const Term& t = m_.term(g);
+      return t.reshaped && !t.harmonic && t.pattern != Shape::line;
+    });
+    if (shaped) refine_reshaped(choice_.named, m_.fit(choice_.named), 1e-3);
   }
 
   void keep_shape(const Term& t, double shape) {
