@@ -64,6 +64,27 @@ TEST(UncataloguedShapes, AChangeInProportionToTimeHasARate) {
   }
 }
 
+// A polynomial in time fits an exponential as well as a drift whose time constant is nearly right.
+TEST(UncataloguedShapes, ADriftBesideAnOffsetKeepsItsName) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Machine m(950 + seed);
+    const double size = m.between(10, 40) * m.resolution, offset = m.between(10, 40) * m.resolution,
+                 constant = m.between(0.2, 0.9) * m.rows / m.rate;
+    const Diagnosis d =
+        diagnose(model_of(m), {}, {},
+                 qerr::log_of(m, m.counted(m.path + offset + size * (1 - (-m.time / constant).exp()))));
+    ASSERT_EQ(d.causes.size(), 2U) << seed;
+    EXPECT_TRUE(d.unexplained.empty()) << seed;
+    for (const Cause& c : d.causes) {
+      const bool constant_one = c.effect.type == "offset";
+      EXPECT_TRUE(constant_one || c.effect.type == "drift") << seed << ": " << c.effect.type;
+      EXPECT_NEAR(c.effect.number(constant_one ? "offset" : "amplitude"), constant_one ? offset : size,
+                  constant_one ? m.resolution : 0.1 * size)
+          << seed;
+    }
+  }
+}
+
 /// What quantization and noise leave is known before anything is fitted.
 TEST(UncataloguedShapes, DoNotRaiseWhatQuantizationAndNoiseLeave) {
   Machine m(41);
