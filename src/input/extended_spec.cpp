@@ -103,7 +103,8 @@ class Extension {
   void add(const AddedEffect& effect) {
     // What is wrong at the tip alone is wrong at every joint: the delay of the tracker's stamps. A pattern
     // would yield to an entry of the same type that names its joint.
-    if (effect.effect.joint == "tip" && pose_key(effect.effect).empty()) {
+    if (effect.effect.joint == "tip" && pose_key(effect.effect).empty() &&
+        !find_joint(spec_.model.chain, "tip")) {
       AddedEffect of_joint = effect;
       for (const IndependentJoint& joint : spec_.model.chain.independent) {
         of_joint.effect.joint = joint.name;

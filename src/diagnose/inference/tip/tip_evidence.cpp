@@ -372,7 +372,7 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
           terms.push_back({TipTerm::Kind::geometry, std::move(t), place.link, direction});
         }
   }
-  const std::string delay = latency_effect().name.data();
+  const std::string delay(latency_effect().name);
   std::optional<Term> late;
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
     if (e.judged(i))
