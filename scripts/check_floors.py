@@ -66,7 +66,7 @@ HOMONYMS = {
     ("src/input/spec_format.cpp", "scale"): "spacing of a sweep: linear or log",
     ("src/input/read_urdf.cpp", "offset"): "attribute of <mimic>",
     ("src/input/urdf_tree.cpp", "offset"): "attribute of <mimic>",
-    ("src/input/urdf_flaws.cpp", "offset"): "attribute of <mimic>",
+    ("src/input/urdf_reader.cpp", "offset"): "attribute of <mimic>",
     ("src/report/robot/robot_report.cpp", "offset"): "attribute of <mimic>",
     ("src/report/simulation/formats.cpp", "varying_jacobian"): "factor of a simulated error",
     ("src/report/simulation/formats.cpp", "correlated_joints"): "factor of a simulated error",

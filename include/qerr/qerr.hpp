@@ -31,7 +31,6 @@
 #include "qerr/effect/effect.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/encoder/transmission.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <optional>
 
-#include "bound/linearization_remainder.hpp"
 #include "bound/signal_errors.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/independent_error.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {

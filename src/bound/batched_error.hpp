@@ -3,7 +3,6 @@
 #include <memory>
 #include <vector>
 
-#include "bound/figure_layout.hpp"
 #include "bound/kernels.hpp"
 #include "kinematics/folded_chain.hpp"
 #include "lanes/batch.hpp"

@@ -7,8 +7,8 @@
 #include <map>
 #include <numbers>
 
+#include "control/control.hpp"
 #include "control/loop_response.hpp"
-#include "control/walls.hpp"
 #include "core/parallel.hpp"
 #include "core/search.hpp"
 #include "qerr/bound/independent_error.hpp"

@@ -7,7 +7,6 @@
 
 #include "control/control.hpp"
 #include "control/loop.hpp"
-#include "control/walls.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/bound/operational_error.hpp"
 

@@ -7,7 +7,6 @@
 
 #include "bound/signal_errors.hpp"
 #include "core/parallel.hpp"
-#include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/workspace.hpp"

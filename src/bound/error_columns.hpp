@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "bound/linearization_remainder.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/core/instruction_set.hpp"

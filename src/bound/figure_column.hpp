@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bound/figure_layout.hpp"
+#include "bound/kernels.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/filter/norms.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bound/tally.hpp"
+#include "bound/kernels.hpp"
 #include "qerr/bound/figure.hpp"
 
 namespace qerr {

@@ -3,14 +3,67 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bound/figure_layout.hpp"
-#include "bound/tally.hpp"
-#include "kinematics/folded_path.hpp"
+#include "kinematics/kernels.hpp"
 #include "lanes/select_kernels.hpp"
 
 namespace qerr {
 
-// Included by kernel sources: without Eigen and containers (see folded_path.hpp).
+/// Histogram bins: the leading bits of a double (exponent and 10 bits of the mantissa), so that a bin's width
+/// is about 2^-10 of the value. Without containers, for the batched kernels.
+inline constexpr int bin_shift = 42;
+inline constexpr std::size_t bin_count = std::size_t{1} << 16;  ///< 64 octaves
+
+/// The bin of a value >= 0.
+inline std::int32_t leading_bits(double value) {
+  return static_cast<std::int32_t>(__builtin_bit_cast(std::int64_t, value) >> bin_shift);
+}
+
+/// Bins of a figure that are counted individually, by leading bits: [begin, end) and [top, infinity). Values
+/// below `begin` and values in [end, top) are only counted in total.
+struct CountedBins {
+  static constexpr std::int32_t first = -(1 << (63 - bin_shift));  ///< below all doubles
+  std::int32_t begin = first, end = first, top = first;            ///< default: all bins
+
+  bool operator()(std::int32_t bin) const { return (bin >= begin && bin < end) || bin >= top; }
+};
+
+/// Maxima within this factor are equal up to rounding; the first configuration is reported.
+inline constexpr double same_maximum = 1 + 1e-13;
+
+/// Sum, minimum and maximum of one figure over some configurations. Without containers, and aligned, for the
+/// batched kernels.
+struct alignas(64) Tally {
+  static constexpr double infinite = __builtin_inf();
+  double sum[8] = {};  ///< [lane], as `min`
+  double min[8] = {infinite, infinite, infinite, infinite, infinite, infinite, infinite, infinite};
+  double max = -1;  ///< or the value that it had to exceed
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+  std::uint64_t at_max = none;  ///< index of the first configuration with it
+};
+
+/// Layout of the figures of a batch: figure i of configuration c at i * batch_size + c. Each member is the
+/// index of the first coordinate's figure, the others follow. Figures that were not requested take no space.
+struct FigureLayout {
+  std::size_t coordinates = 0;  ///< all_signals of the model
+  std::size_t worst_case = 0, sigma = 0, rigorous = 0;
+  std::size_t filtered_worst = 0, filtered_sigma = 0, in_motion = 0;  ///< [filter][coordinate]
+  std::size_t trace = 0;       ///< one: variance of the position, of all coordinates if there is no position
+  std::size_t covariance = 0;  ///< [row][column <= row]
+  std::size_t count = 0;       ///< of all figures
+};
+
+/// Layout of the sums over configurations. From `arms` on they are maxima.
+struct SumLayout {
+  std::size_t covariance = 0;                                  ///< [row][column <= row]
+  std::size_t filtered = 0;                                    ///< the same behind every filter
+  std::size_t variance_parts = 0, share = 0, worst_share = 0;  ///< [coordinate][encoder]
+  std::size_t quantization_parts = 0;                          ///< [coordinate][encoder]; only beside sources
+  std::size_t arms = 0;   ///< [encoder]: largest |dp/dx| of one axis [m/rad or 1]
+  std::size_t pitch = 0;  ///< one: 1 - cos(pitch)
+  std::size_t count = 0;
+};
+
+// Included by kernel sources: without Eigen and containers (see kinematics/kernels.hpp).
 
 /// Half width over sigma of a uniform error: sqrt(3).
 inline constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;

@@ -1,10 +1,11 @@
 #include "qerr/bound/operational_error.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "bound/error_columns.hpp"
-#include "bound/linearization_remainder.hpp"
 
 namespace qerr {
 
@@ -130,6 +131,47 @@ Bounds derivative_error(const OperationalError& e, Eigen::Index i, const Norms& 
   const double quantization = norms.h2 * e.weighted.row(i).norm() / std::sqrt(12.0);
   b.sigma = std::hypot(quantization, e.added_sigma.row(i).cwiseProduct(ratios.transpose()).norm());
   return b;
+}
+
+ErrorEllipsoid error_ellipsoid(const Eigen::Matrix3d& covariance) {
+  // Scaled, since the iteration compares with absolute thresholds.
+  const double scale = covariance.cwiseAbs().maxCoeff();
+  if (!(scale > 0) || !std::isfinite(scale))
+    return {Eigen::Vector3d::Constant(scale), Eigen::Matrix3d::Identity()};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance / scale);
+  ErrorEllipsoid e;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const Eigen::Vector3d direction = solver.eigenvectors().col(2 - i);  // eigenvalues ascend
+    Eigen::Index largest = 0;
+    direction.cwiseAbs().maxCoeff(&largest);
+    e.directions.col(i) = direction[largest] < 0 ? (-direction).eval() : direction;
+    e.semi_axes[i] = std::sqrt(scale * std::max(solver.eigenvalues()[2 - i], 0.0));
+  }
+  return e;
+}
+
+LinearizationRemainder linearization_remainder(const Chain& chain, const Eigen::VectorXd& largest) {
+  LinearizationRemainder r;
+  r.per_column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.joints.size()));
+  double before = 0;   // S_{k-1}
+  double carried = 0;  // sum_{i<k} per_column_i: R_i grows by h_k (R_k or 1)
+  double axes = 0;     // sum_k h_k S_{k-1} / 2
+  for (Eigen::Index k = 0; k < r.per_column.size(); ++k) {
+    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(k)];
+    const double h = std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
+    if (joint.prismatic) {
+      r.position += (before + carried) * h;
+      continue;
+    }
+    r.per_column[k] = h * (before + 0.5 * h + carried);
+    carried += r.per_column[k];
+    axes += 0.5 * h * before;
+    before += h;
+  }
+  r.rotation_angle = before;
+  r.rotation = before <= std::numbers::pi ? axes + before * before * (0.25 + 0.034 * before)
+                                          : std::numeric_limits<double>::infinity();
+  return r;
 }
 
 }  // namespace qerr

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bound/linearization_remainder.hpp"
 #include "lanes/batch.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {

@@ -7,7 +7,7 @@
 #include "bound/batched_error.hpp"
 #include "bound/kernels.hpp"
 #include "control/loop_response.hpp"
-#include "kinematics/batched_jacobian.hpp"
+#include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"
 
 namespace qerr {

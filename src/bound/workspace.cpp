@@ -30,11 +30,9 @@ void require_moderate_angles(const Chain& chain, const Configurations& c) {
     const double angle =
         std::abs(joint.multiplier) * largest_coordinate(c, joint.coordinate) + std::abs(joint.offset);
     if (!(angle <= lanes::largest_angle))
-      throw Error({{},
-                   "configurations",
-                   "joint '" + joint.name + "' must stay within 2^20 rad, about 167 000 revolutions",
-                   shortest(angle) + " rad",
-                   "subtract whole revolutions"});
+      throw Error("configurations",
+                  "joint '" + joint.name + "' must stay within 2^20 rad, about 167 000 revolutions",
+                  shortest(angle) + " rad", "subtract whole revolutions");
   }
 }
 

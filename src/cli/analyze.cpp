@@ -1,9 +1,7 @@
-#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "input/read_limits.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/exceedance.hpp"
 #include "report/analysis/requirements.hpp"
 
 namespace qerr::cli {
@@ -55,18 +53,13 @@ Command analyze_command() {
       "analyze",
       "Worst-case and IPQN bounds of position, velocity and acceleration over the configurations",
       joined({spec_options(),
-              {{.name = "--per-configuration",
-                .value = "FILE.csv",
-                .meaning = "write one CSV row per configuration"},
-               {.name = "--above",
-                .value = "QUANTITY=LIMIT",
-                .kind = OptionKind::repeat,
-                .meaning = "count the configurations above a limit, e.g. position.xyz.worst_case='50 um'"},
+              {valued("--per-configuration", "FILE.csv", "write one CSV row per configuration"),
+               valued("--above", "QUANTITY=LIMIT",
+                      "count the configurations above a limit, e.g. position.xyz.worst_case='50 um'",
+                      OptionKind::repeat),
                prove_option("prove the maxima over the whole joint ranges, to a gap between what is reached "
                             "and what is never exceeded, such as 0.5% (default: 1%)"),
-               {.name = "--details",
-                .kind = OptionKind::flag,
-                .meaning = "in the table all statistics, in place of median and maximum"}},
+               flag("--details", "in the table all statistics, in place of median and maximum")},
               long_work_option(),
               output_options()}),
       run,

@@ -6,7 +6,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
 
@@ -127,26 +127,20 @@ int run(const Values& v) {
 }  // namespace
 
 Command check_command() {
-  std::vector<Option> options =
-      joined({spec_options("the specs (YAML); '-' reads standard input"),
-              {{.name = "--junit", .value = "FILE", .meaning = "write the verdicts as JUnit XML"},
-               {.name = "--annotations",
-                .value = "FORM",
-                .meaning = "github: `::error file=,line=` for each requirement that is not met",
-                .choices = annotation_forms,
-                .choice = "form"}},
-              {{.name = "--baseline",
-                .value = "OLD.json",
-                .meaning = "an earlier report of check or analyze: no figure may be worse than there"},
-               {.name = "--tolerance",
-                .value = "PART",
-                .meaning = "how much worse a figure may be, such as 2% or 0.02",
-                .fallback = "0",
-                .needs = "--baseline"}},
-              {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%, "
-                            "or a tenth of the distance to the limit)")},
-              long_work_option(),
-              output_options_with_markdown()});
+  std::vector<Option> options = joined(
+      {spec_options("the specs (YAML); '-' reads standard input"),
+       {valued("--junit", "FILE", "write the verdicts as JUnit XML"),
+        valued("--annotations", "FORM", "github: `::error file=,line=` for each requirement that is not met")
+            .one_of(annotation_forms, "form")},
+       {valued("--baseline", "OLD.json",
+               "an earlier report of check or analyze: no figure may be worse than there"),
+        valued("--tolerance", "PART", "how much worse a figure may be, such as 2% or 0.02")
+            .otherwise("0")
+            .with("--baseline")},
+       {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%, "
+                     "or a tenth of the distance to the limit)")},
+       long_work_option(),
+       output_options_with_markdown()});
   options.front().kind = OptionKind::repeat;
   return {
       "check",

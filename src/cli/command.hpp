@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -7,7 +8,31 @@
 #include <string_view>
 #include <vector>
 
+#include "qerr/input/read_log.hpp"
+#include "qerr/report/analysis.hpp"
+
 namespace qerr::cli {
+
+/// A program that runs commands within its own process, such as Python: reports and warnings go to it in
+/// place of standard output and standard error.
+struct Caller {
+  std::vector<std::string> formats;            ///< in which it wants the report
+  std::vector<LogArray> log;                   ///< in place of the files of a log
+  std::map<std::string, std::string> reports;  ///< by format
+  std::vector<std::string> warnings;
+  bool wants_columns = false;  ///< of `analyze`: the figures of every configuration
+  ConfigurationColumns columns;
+  std::atomic<bool> stops = false;  ///< set by the caller: the work that shows progress ends with Stopped
+};
+
+/// Work that the caller has stopped.
+struct Stopped {};
+
+/// The caller of the running command; null: the program `qerr` itself.
+inline Caller*& caller() {
+  static Caller* current = nullptr;
+  return current;
+}
 
 /// How an option is written, and how its text is checked.
 enum class OptionKind {
@@ -53,7 +78,24 @@ struct Option {
   std::string short_name() const;  ///< `-o`; "" if it has none
   std::string key() const;         ///< `output`: the name by which Values has it
   std::string range() const;       ///< `1 to 1024` of a number; "" of other kinds
+
+  Option& within(double lowest, double highest) { return least = lowest, most = highest, *this; }
+  Option& otherwise(std::string_view text) { return fallback = text, *this; }
+  Option& one_of(std::vector<std::string> (*words)(), std::string_view what) {
+    return choices = words, choice = what, *this;
+  }
+  Option& with(std::string_view other) { return needs = other, *this; }
+  Option& must() { return required = true, *this; }
 };
+
+/// Rows of options without and with a value. @param value  its name in the help
+inline Option flag(std::string_view name, std::string_view meaning) {
+  return {.name = name, .kind = OptionKind::flag, .meaning = meaning};
+}
+inline Option valued(std::string_view name, std::string_view value, std::string_view meaning,
+                     OptionKind kind = OptionKind::text) {
+  return {.name = name, .value = value, .kind = kind, .meaning = meaning};
+}
 
 /// Values of the command line, by the key of their rows. A key that the command does not have is a
 /// logic_error.

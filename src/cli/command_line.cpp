@@ -158,7 +158,7 @@ class Parser {
 
   [[noreturn]] void refuse(const std::string& option, const std::string& rule, const std::string& found,
                            const std::string& remedy) const {
-    throw Error({{"qerr " + std::string(command_.name)}, option, rule, found, remedy}, Trouble::usage);
+    throw Error({"qerr " + std::string(command_.name)}, option, rule, found, remedy, Trouble::usage);
   }
 
   /// @param count  of the values that are there

@@ -26,25 +26,17 @@ std::vector<Command> table() {
 
 const std::vector<Option>& global_options() {
   static const std::vector<Option> rows{
-      {.name = "-q,--quiet", .kind = OptionKind::flag, .meaning = "no warnings, no progress"},
-      {.name = "--color",
-       .value = "WHEN",
-       .meaning = "always, never, or auto: on a terminal, unless NO_COLOR is set",
-       .fallback = "auto",
-       .choices = when_words,
-       .choice = "choice"},
-      {.name = "--no-color", .kind = OptionKind::flag, .meaning = "the same as --color never"},
-      {.name = "--progress",
-       .value = "WHEN",
-       .meaning = "always, never, or auto: on a terminal, unless --quiet",
-       .fallback = "auto",
-       .choices = when_words,
-       .choice = "choice"},
-      {.name = "--force",
-       .kind = OptionKind::flag,
-       .meaning = "let an output replace a spec, URDF or catalogue, which a person may have edited"},
-      {.name = "-h,--help", .kind = OptionKind::flag, .meaning = "this help"},
-      {.name = "-V,--version", .kind = OptionKind::flag, .meaning = "the version of qerr"}};
+      flag("-q,--quiet", "no warnings, no progress"),
+      valued("--color", "WHEN", "always, never, or auto: on a terminal, unless NO_COLOR is set")
+          .otherwise("auto")
+          .one_of(when_words, "choice"),
+      flag("--no-color", "the same as --color never"),
+      valued("--progress", "WHEN", "always, never, or auto: on a terminal, unless --quiet")
+          .otherwise("auto")
+          .one_of(when_words, "choice"),
+      flag("--force", "let an output replace a spec, URDF or catalogue, which a person may have edited"),
+      flag("-h,--help", "this help"),
+      flag("-V,--version", "the version of qerr")};
   return rows;
 }
 

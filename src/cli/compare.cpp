@@ -1,7 +1,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "qerr/report/comparison.hpp"
 #include "report/analysis/requirements.hpp"
 
@@ -24,11 +24,8 @@ void refuse_other_format(const std::string& text, const std::string& file) {
   const bool header = first.find(',') != std::string::npos && first.find_first_of(" :#") == std::string::npos;
   const bool csv = file.ends_with(".csv") || header;
   if (csv || table)
-    throw Error(Fault{{file, 1, 1},
-                      "",
-                      "only reports in JSON and specs can be compared",
-                      csv ? "CSV" : "a table",
-                      "write the report with --format json"});
+    throw Error({file, 1, 1}, "", "only reports in JSON and specs can be compared", csv ? "CSV" : "a table",
+                "write the report with --format json");
 }
 
 /// What stands on one side of the comparison: a report as it is, or a spec, which is computed.
@@ -86,14 +83,12 @@ int run(const Values& v) {
 }  // namespace
 
 Command compare_command() {
-  std::vector<Option> options = joined(
-      {{{.name = "A",
-         .meaning = "a report of analyze, check or filter (JSON), or a spec (YAML)",
-         .required = true}},
-       spec_options("the other report or spec"),
-       {{.name = "--details", .kind = OptionKind::flag, .meaning = "show every figure, also unchanged ones"}},
-       long_work_option(),
-       output_options()});
+  std::vector<Option> options =
+      joined({{valued("A", "", "a report of analyze, check or filter (JSON), or a spec (YAML)").must()},
+              spec_options("the other report or spec"),
+              {flag("--details", "show every figure, also unchanged ones")},
+              long_work_option(),
+              output_options()});
   options[1].name = "B";
   options[2].meaning = "override one value of B, which must be a spec, e.g. encoders.elbow.bits=19";
   return {

@@ -265,11 +265,7 @@ int run(const Values& v) {
 Command completion_command() {
   return {"completion",
           "The script that completes qerr's command lines in a shell",
-          {{.name = "SHELL",
-            .meaning = "bash, zsh or fish",
-            .required = true,
-            .choices = shell_names,
-            .choice = "shell"},
+          {valued("SHELL", "", "bash, zsh or fish").one_of(shell_names, "shell").must(),
            text_output_option(".bash .zsh .fish .sh .txt")},
           run,
           {{"source <(qerr completion bash)", "complete in this bash; zsh likewise"},

@@ -1,7 +1,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "input/byte_source.hpp"
 #include "input/spec_variants.hpp"
+#include "input/text_source.hpp"
 #include "qerr/report/design_report.hpp"
 
 namespace qerr::cli {
@@ -40,19 +40,15 @@ Command design_command() {
   return {
       "design",
       "The cheapest or coarsest encoders, gears and filters that meet the requirements",
-      joined({spec_options(),
-              {{.name = "--write-spec",
-                .value = "FILE",
-                .meaning = "write the spec with the choice in it, which `qerr check` passes"},
-               {.name = "--pareto",
-                .value = "QUANTITY",
-                .meaning = "figure of the front of prices, e.g. position.xyz.sigma or 'position.x.sigma p99' "
-                           "(default: the tightest requirement's)"},
-               {.name = "--only-optimum",
-                .kind = OptionKind::flag,
-                .meaning = "neither the prices of requirements nor the front"}},
-              long_work_option(),
-              output_options()}),
+      joined(
+          {spec_options(),
+           {valued("--write-spec", "FILE", "write the spec with the choice in it, which `qerr check` passes"),
+            valued("--pareto", "QUANTITY",
+                   "figure of the front of prices, e.g. position.xyz.sigma or 'position.x.sigma p99' "
+                   "(default: the tightest requirement's)"),
+            flag("--only-optimum", "neither the prices of requirements nor the front")},
+           long_work_option(),
+           output_options()}),
       run,
       {{"qerr design arm.yaml", "which encoders to buy: what `design:` of the spec permits, at least price"},
        {"qerr design arm.yaml --write-spec chosen.yaml", "and write the spec that `qerr check` passes"},

@@ -1,12 +1,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
 #include "input/log_names.hpp"
-#include "input/write_urdf.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "report/formats.hpp"
@@ -48,11 +47,8 @@ std::string prepared_folder(const std::string& path) {
   std::filesystem::create_directories(path, failure);
   std::error_code unknown;
   if (!std::filesystem::is_directory(path, unknown))
-    throw Error({{path, 0, 0},
-                 "--plots",
-                 "cannot create the folder: " + (failure ? failure : unknown).message(),
-                 "",
-                 ""},
+    throw Error({path, 0, 0}, "--plots",
+                "cannot create the folder: " + (failure ? failure : unknown).message(), "", "",
                 Trouble::file_system);
   return path;
 }
@@ -132,59 +128,42 @@ Command diagnose_command() {
   return {
       "diagnose",
       "Find the causes of a measured log's errors: effects, an extended model, the gain",
-      joined(
-          {spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
-           {{.name = "LOG",
-             .kind = OptionKind::repeat,
-             .meaning = "the measured log (CSV): one file, or several, which are joined by time; '-' reads "
-                        "standard input"},
-            {.name = "--hold",
-             .kind = OptionKind::flag,
-             .meaning =
-                 "an empty cell of a log has the last value of its column, as with log: {missing: hold} "
-                 "in the spec; --set log.missing=drop leaves its row out"},
-            {.name = "--column",
-             .value = "SIGNAL=COLUMN",
-             .kind = OptionKind::repeat,
-             .meaning =
-                 "the log's column of a signal, such as a1.counts=q1_motor or 'a1.reference=q1_link [deg]', "
-                 "as with log: {columns: ...} in the spec; without it a log of unknown columns is answered "
-                 "with a mapping"},
-            {.name = "--plan",
-             .kind = OptionKind::flag,
-             .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
-                        "motion that identifies more"},
-            {.name = "--reference-noise",
-             .value = "COUNTS",
-             .kind = OptionKind::number,
-             .meaning = "standard deviation of the reference sensors that --plan assumes, in counts",
-             .fallback = "0.05",
-             .least = 1e-3,
-             .most = 10},
-            {.name = "--check",
-             .kind = OptionKind::flag,
-             .meaning =
-                 "end with 1 unless nothing is wrong, neither with the robot nor with the record (corrupt, "
-                 "missing, repeated, contradictory readings), and all joints of the log are judged, for "
-                 "continuous integration"},
-            {.name = "--details",
-             .kind = OptionKind::flag,
-             .meaning = "in the table also the statistics, p-values, all intervals and gains"},
-            {.name = "--write-model",
-             .value = "FILE.yaml",
-             .meaning = "write the spec with the effects found; '-' is standard output"},
-            {.name = "--write-table",
-             .value = "FILE.csv",
-             .meaning = "write a look-up table for the controller: encoder angle to correction"},
-            {.name = "--write-urdf",
-             .value = "FILE.urdf",
-             .meaning =
-                 "write the URDF with the link dimensions found (geometry); all else is as in the file"},
-            {.name = "--plots",
-             .value = "FOLDER",
-             .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
-           long_work_option(),
-           output_options()}),
+      joined({spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
+              {valued("LOG", "",
+                      "the measured log (CSV): one file, or several, which are joined by time; '-' reads "
+                      "standard input",
+                      OptionKind::repeat),
+               flag("--hold",
+                    "an empty cell of a log has the last value of its column, as with log: {missing: hold} "
+                    "in the spec; --set log.missing=drop leaves its row out"),
+               valued("--column", "SIGNAL=COLUMN",
+                      "the log's column of a signal, such as a1.counts=q1_motor or 'a1.reference=q1_link "
+                      "[deg]', as with log: {columns: ...} in the spec; without it a log of unknown columns "
+                      "is answered with a mapping",
+                      OptionKind::repeat),
+               flag("--plan",
+                    "without a log: which effects a log of the spec's motion would identify, and a motion "
+                    "that identifies more"),
+               valued("--reference-noise", "COUNTS",
+                      "standard deviation of the reference sensors that --plan assumes, in counts",
+                      OptionKind::number)
+                   .within(1e-3, 10)
+                   .otherwise("0.05"),
+               flag("--check",
+                    "end with 1 unless nothing is wrong, neither with the robot nor with the record "
+                    "(corrupt, missing, repeated, contradictory readings), and all joints of the log are "
+                    "judged, for continuous integration"),
+               flag("--details", "in the table also the statistics, p-values, all intervals and gains"),
+               valued("--write-model", "FILE.yaml",
+                      "write the spec with the effects found; '-' is standard output"),
+               valued("--write-table", "FILE.csv",
+                      "write a look-up table for the controller: encoder angle to correction"),
+               valued("--write-urdf", "FILE.urdf",
+                      "write the URDF with the link dimensions found (geometry); all else is as in the file"),
+               valued("--plots", "FOLDER",
+                      "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py")},
+              long_work_option(),
+              output_options()}),
       run,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
        {"qerr diagnose arm.yaml log.csv --write-model found.yaml",

@@ -132,11 +132,8 @@ void write_pages(const Values& v, const std::string& option, std::string (*place
     std::error_code failure;
     std::filesystem::create_directories(path.parent_path(), failure);
     if (failure)
-      throw Error({{path.parent_path().string()},
-                   "--" + option,
-                   "the folder cannot be created: " + failure.message(),
-                   "",
-                   "name another one"},
+      throw Error({path.parent_path().string()}, "--" + option,
+                  "the folder cannot be created: " + failure.message(), "", "name another one",
                   Trouble::file_system);
     OutputFile file(path.string());
     finish(file, text(page));
@@ -158,7 +155,7 @@ Page asked_page(const std::vector<std::string>& words) {
   const std::string asked = qerr::joined(words, " "), near = nearest(asked, names);
   const std::string remedy =
       near.empty() ? "commands and topics: " + qerr::joined(names) : "did you mean '" + near + "'?";
-  throw Error(Fault{{"qerr help"}, "", "no page has this word", qerr::quoted(asked), remedy}, Trouble::usage);
+  throw Error({"qerr help"}, "", "no page has this word", qerr::quoted(asked), remedy, Trouble::usage);
 }
 
 int run(const Values& v) {
@@ -181,12 +178,8 @@ Command help_command() {
             .choices = page_names,
             .open = true,
             .choice = "command or topic"},
-           {.name = "--man",
-            .value = "FOLDER",
-            .meaning = "write all pages as man pages there; man -M FOLDER shows them"},
-           {.name = "--html",
-            .value = "FOLDER",
-            .meaning = "write all pages there as a static site: index.html"}},
+           valued("--man", "FOLDER", "write all pages as man pages there; man -M FOLDER shows them"),
+           valued("--html", "FOLDER", "write all pages there as a static site: index.html")},
           run,
           {{"qerr help", "the commands and the topics"},
            {"qerr help encoders", "how to specify an encoder, with the words of its data sheet"},

@@ -24,12 +24,11 @@ int run(const Values& v) {
 Command list_command() {
   return {"list",
           "What a spec can contain: effects, filters, encoders, coordinates, quantities, units, ...",
-          joined({{{.name = "KIND",
-                    .meaning = "effects, filters, estimators, encoders, formats, coordinates, statistics, "
-                               "quantities or units",
-                    .required = true,
-                    .choices = kinds,
-                    .choice = "kind"},
+          joined({{valued("KIND", "",
+                          "effects, filters, estimators, encoders, formats, coordinates, statistics, "
+                          "quantities or units")
+                       .one_of(kinds, "kind")
+                       .must(),
                    {.name = "NAME",
                     .meaning = "only this one of them",
                     .choice = "name",

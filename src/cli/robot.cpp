@@ -70,11 +70,8 @@ void check_links(const RobotModel& robot, const Values& v) {
     const std::string& link = v.text(option);
     if (link.empty() || std::find(robot.links.begin(), robot.links.end(), link) != robot.links.end())
       continue;
-    throw Error(Fault{{robot.file},
-                      "--" + std::string(option),
-                      "no link of the URDF has this name",
-                      quoted(link),
-                      did_you_mean(link, robot.links)});
+    throw Error({robot.file}, "--" + std::string(option), "no link of the URDF has this name", quoted(link),
+                did_you_mean(link, robot.links));
   }
 }
 
@@ -130,19 +127,15 @@ Command robot_command() {
   return {
       "robot",
       "What a URDF holds: tree, joints, limits, ratios, possible tips; the tip's pose; writes a first spec",
-      joined({{{.name = "URDF",
-                .meaning = "the URDF, or a spec; '-' reads standard input (xacro FILE | qerr robot -)",
-                .required = true},
-               {.name = "--base", .value = "LINK", .meaning = "base of the first spec (default: the root)"},
-               {.name = "--tip", .value = "LINK", .meaning = "its tip (default: the first of the ends)"},
-               {.name = "--at",
-                .value = "JOINT=VALUE",
-                .kind = OptionKind::list,
-                .meaning =
-                    "the tip's pose at these joint values, such as q1=30deg,q2=0.1; other joints are at 0"},
-               {.name = "--write-spec",
-                .value = "FILE",
-                .meaning = "write a commented spec that can be analyzed as it is; '-' is standard output"}},
+      joined({{valued("URDF", "", "the URDF, or a spec; '-' reads standard input (xacro FILE | qerr robot -)")
+                   .must(),
+               valued("--base", "LINK", "base of the first spec (default: the root)"),
+               valued("--tip", "LINK", "its tip (default: the first of the ends)"),
+               valued("--at", "JOINT=VALUE",
+                      "the tip's pose at these joint values, such as q1=30deg,q2=0.1; other joints are at 0",
+                      OptionKind::list),
+               valued("--write-spec", "FILE",
+                      "write a commented spec that can be analyzed as it is; '-' is standard output")},
               output_options_without_page()}),
       run,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},

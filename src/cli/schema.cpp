@@ -18,11 +18,8 @@ int run(const Values& v) {
 Command schema_command() {
   return {"schema",
           "The JSON Schema of the spec, for editors, or of a command's JSON report",
-          {{.name = "--output-of",
-            .value = "REPORT",
-            .meaning = "of the JSON that this command writes; plan is diagnose --plan",
-            .choices = reports,
-            .choice = "report"},
+          {valued("--output-of", "REPORT", "of the JSON that this command writes; plan is diagnose --plan")
+               .one_of(reports, "report"),
            text_output_option(".json .txt")},
           run,
           {{"qerr schema -o qerr.schema.json", "of the spec, for an editor that completes and checks it"},

@@ -51,38 +51,30 @@ std::vector<std::string> keys_of_spec() {
 }  // namespace
 
 std::vector<Option> spec_options(std::string_view meaning) {
-  return {{.name = "SPEC", .meaning = meaning, .required = true},
-          {.name = "--set",
-           .value = "KEY=VALUE",
-           .kind = OptionKind::repeat,
-           .meaning = "override one value of the spec, e.g. encoders.elbow.bits=19",
-           .choices = keys_of_spec,
-           .open = true},
-          {.name = "--seed",
-           .value = "N",
-           .kind = OptionKind::whole,
-           .meaning = "seed of all random numbers: configurations, phases, noise",
-           .least = 0,
-           .most = 0x1p53 - 1},
-          {.name = "--threads",
-           .value = "N",
-           .kind = OptionKind::whole,
-           .meaning = "threads (default: one per core); the results do not depend on it",
-           .least = 1,
-           .most = 1024}};
+  return {
+      valued("SPEC", "", meaning).must(),
+      {.name = "--set",
+       .value = "KEY=VALUE",
+       .kind = OptionKind::repeat,
+       .meaning = "override one value of the spec, e.g. encoders.elbow.bits=19",
+       .choices = keys_of_spec,
+       .open = true},
+      valued("--seed", "N", "seed of all random numbers: configurations, phases, noise", OptionKind::whole)
+          .within(0, 0x1p53 - 1),
+      valued("--threads", "N", "threads (default: one per core); the results do not depend on it",
+             OptionKind::whole)
+          .within(1, 1024)};
 }
 
 std::vector<Option> output_options() {
-  return {{.name = "--format",
-           .value = "FORMAT",
-           .meaning = "table, json, csv or html (default: by the output's ending, else table)",
-           .choices = format_names,
-           .choice = "format"},
-          text_output_option(),
-          {.name = "--json",
-           .kind = OptionKind::flag,
-           .meaning = "the same as --format json",
-           .stands_for = "--format=json"}};
+  return {
+      valued("--format", "FORMAT", "table, json, csv or html (default: by the output's ending, else table)")
+          .one_of(format_names, "format"),
+      text_output_option(),
+      {.name = "--json",
+       .kind = OptionKind::flag,
+       .meaning = "the same as --format json",
+       .stands_for = "--format=json"}};
 }
 
 std::vector<Option> output_options_without_page() {
@@ -93,9 +85,7 @@ std::vector<Option> output_options_without_page() {
 }
 
 std::vector<Option> long_work_option() {
-  return {{.name = "--allow-long",
-           .kind = OptionKind::flag,
-           .meaning = "permit more than 1e10 configurations or samples, which take hours"}};
+  return {flag("--allow-long", "permit more than 1e10 configurations or samples, which take hours")};
 }
 
 Option prove_option(std::string_view meaning) {
@@ -155,7 +145,7 @@ std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups) {
 
 Error usage(const std::string& option, const std::string& rule, const std::string& found,
             const std::string& remedy) {
-  return Error({{}, option, rule, found, remedy}, Trouble::usage);
+  return Error(option, rule, found, remedy, Trouble::usage);
 }
 
 SpecOverrides overrides(const Values& v) {
@@ -278,12 +268,10 @@ void limit_work(const Spec& spec, double amount, const std::string& key, const s
                 const Values& v, double rate) {
   constexpr double most = 1e10;
   if (amount <= most || v.given("allow-long")) return;
-  throw Error({{spec.file},
-               key,
-               "more than 1e10 " + noun + " need --allow-long",
-               significant(amount, 3) + ", which take about " + duration(amount / rate) + " at " +
-                   readable_number(rate) + " a second",
-               "add --allow-long, or make them fewer"});
+  throw Error({spec.file}, key, "more than 1e10 " + noun + " need --allow-long",
+              significant(amount, 3) + ", which take about " + duration(amount / rate) + " at " +
+                  readable_number(rate) + " a second",
+              "add --allow-long, or make them fewer");
 }
 
 void limit_configurations(const Spec& spec, const Values& v) {

@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "cli/terminal.hpp"
 #include "core/output_file.hpp"
-#include "input/idle_overrides.hpp"
+#include "input/spec_variants.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"

@@ -5,12 +5,12 @@
 #include "cli/shared.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
 #include "input/spec_variants.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/parts.hpp"
-#include "simulate/settling.hpp"
+#include "simulate/unrounded_record.hpp"
 
 namespace qerr::cli {
 
@@ -91,7 +91,7 @@ std::vector<ReportText> runs_to_compare(bool estimators) {
           [=](const Spec& spec) {
             constexpr double most = 1e5;  // samples
             if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
-              throw Error(Fault{{spec.file}, "motion", "too many samples to compare", "", ""});
+              throw Error({spec.file}, "motion", "too many samples to compare", "", "");
             return one_run(spec, true, estimators);
           }};
 }
@@ -146,34 +146,23 @@ Command simulate_command() {
   return {
       "simulate",
       "Simulate the quantizers along the motion: a log, and simulation compared with theory",
-      joined(
-          {spec_options("the spec (YAML) with its motion; '-' reads standard input"),
-           {{.name = "--log",
-             .value = "FILE.csv",
-             .meaning = "write the first run's log as CSV; '-' is standard output"},
-            {.name = "--runs",
-             .value = "N",
-             .kind = OptionKind::whole,
-             .meaning = "Monte-Carlo runs; several have random sub-count phases, a single one phase 0",
-             .fallback = "1",
-             .least = 1,
-             .most = 1e8},
-            {.name = "--tracking",
-             .kind = OptionKind::flag,
-             .meaning = "also the errors that the filters make by lag and ripple, and the total"},
-            {.name = "--estimators",
-             .kind = OptionKind::flag,
-             .meaning =
-                 "rank the velocity filters and estimators of the spec by their errors along the motion"},
-            {.name = "--cutoffs",
-             .value = "FILTER=FROM..TO",
-             .meaning = "compare cut-offs of a filter: the least noise plus tracking error along the motion, "
-                        "e.g. velocity=5Hz..200Hz"},
-            {.name = "--random-phase",
-             .kind = OptionKind::flag,
-             .meaning = "random sub-count phase of each encoder at its joint's zero, for a single run, too"}},
-           long_work_option(),
-           output_options()}),
+      joined({spec_options("the spec (YAML) with its motion; '-' reads standard input"),
+              {valued("--log", "FILE.csv", "write the first run's log as CSV; '-' is standard output"),
+               valued("--runs", "N",
+                      "Monte-Carlo runs; several have random sub-count phases, a single one phase 0",
+                      OptionKind::whole)
+                   .within(1, 1e8)
+                   .otherwise("1"),
+               flag("--tracking", "also the errors that the filters make by lag and ripple, and the total"),
+               flag("--estimators",
+                    "rank the velocity filters and estimators of the spec by their errors along the motion"),
+               valued("--cutoffs", "FILTER=FROM..TO",
+                      "compare cut-offs of a filter: the least noise plus tracking error along the motion, "
+                      "e.g. velocity=5Hz..200Hz"),
+               flag("--random-phase",
+                    "random sub-count phase of each encoder at its joint's zero, for a single run, too")},
+              long_work_option(),
+              output_options()}),
       run,
       {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},
        {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},

@@ -11,13 +11,12 @@
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
-#include "report/sweep/shard_file.hpp"
 #include "report/sweep/shards.hpp"
 #include "report/sweep/sweep_page.hpp"
 #include "report/text_table.hpp"
@@ -41,15 +40,10 @@ std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
 
 /// `--statistics` and `--wide`.
 std::vector<Option> sweep_row_options() {
-  return {{.name = "--statistics",
-           .value = "NAME,...",
-           .kind = OptionKind::list,
-           .meaning = "write these statistics only, e.g. max,p99 (qerr list statistics)",
-           .choices = statistic_names,
-           .choice = "statistic"},
-          {.name = "--wide",
-           .kind = OptionKind::flag,
-           .meaning = "CSV with one row a variant: figures, filters, requirements"}};
+  return {valued("--statistics", "NAME,...",
+                 "write these statistics only, e.g. max,p99 (qerr list statistics)", OptionKind::list)
+              .one_of(statistic_names, "statistic"),
+          flag("--wide", "CSV with one row a variant: figures, filters, requirements")};
 }
 
 /// The rows that the options ask for; sets what the job needs for them.
@@ -120,12 +114,8 @@ class Spool {
 
  private:
   [[noreturn]] static void fail() {
-    throw Error(Fault{{"temporary file"},
-                      "",
-                      std::string("cannot be written: ") + std::strerror(errno),
-                      "",
-                      "name the output: -o FILE.csv"},
-                Trouble::file_system);
+    throw Error({"temporary file"}, "", std::string("cannot be written: ") + std::strerror(errno), "",
+                "name the output: -o FILE.csv", Trouble::file_system);
   }
 
   std::FILE* file_;
@@ -153,9 +143,8 @@ int run_merge(const Values& v) {
 /// The options of sweep on which the rows depend; they say what the files should hold.
 std::vector<Option> spec_comparison() {
   std::vector<Option> options = joined({spec_options(), sweep_row_options()});
-  options.front() = {.name = "--spec",
-                     .value = "SPEC",
-                     .meaning = "refuse shards of another spec, other files that it names, other options"};
+  options.front() =
+      valued("--spec", "SPEC", "refuse shards of another spec, other files that it names, other options");
   for (Option& option : options)
     if (option.name == "--set" || option.name == "--statistics" || option.name == "--wide")
       option.needs = "--spec";
@@ -270,8 +259,8 @@ int finish_sweep(const SweepOutcome& outcome, const Values& v) {
 /// when their turn comes.
 void require_unchanged(const RunRecord& at_begin, const RunRecord& at_end, const std::string& output) {
   if (const std::string changed = at_begin.difference(at_end); !changed.empty())
-    throw Error(
-        Fault{{output}, "", "an input has changed while the sweep was computed", changed, "compute it anew"});
+    throw Error({output}, "", "an input has changed while the sweep was computed", changed,
+                "compute it anew");
 }
 
 int write_csv(SweepJob job, const Values& v) {
@@ -366,11 +355,8 @@ void require_requirements(const SweepGrid& grid, const Spec& spec, const Values&
   if (!v.given("check") || !spec.requirements.empty() ||
       std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("requirements"); }))
     return;
-  throw Error({{spec.file, 1, 1},
-               "requirements",
-               "the spec has none: there is nothing to check",
-               "",
-               "add requirements (qerr help requirements), or leave out --check"});
+  throw Error({spec.file, 1, 1}, "requirements", "the spec has none: there is nothing to check", "",
+              "add requirements (qerr help requirements), or leave out --check");
 }
 
 int run(const Values& v) {
@@ -414,10 +400,7 @@ Command merge_command() {
   return {
       "merge",
       "Join the files of the shards of a sweep: the bytes of one run",
-      joined({{{.name = "FILE",
-                .kind = OptionKind::repeat,
-                .meaning = "a file of each shard, in any order",
-                .required = true}},
+      joined({{valued("FILE", "", "a file of each shard, in any order", OptionKind::repeat).must()},
               spec_comparison(),
               {text_output_option(".csv .txt")}}),
       run_merge,
@@ -428,32 +411,28 @@ Command merge_command() {
 }
 
 Command sweep_command() {
-  return {"sweep",
-          "Figures of every variant of a spec: the grid of its `sweep:` section",
-          joined({spec_options(),
-                  sweep_row_options(),
-                  {{.name = "--shard",
-                    .value = "K/N",
-                    .meaning = "compute part K of N parts; qerr merge joins their files"},
-                   {.name = "--resume",
-                    .kind = OptionKind::flag,
-                    .meaning = "go on after what is whole in the output's file"},
-                   {.name = "--check",
-                    .kind = OptionKind::flag,
-                    .meaning = "end with 1 if a variant does not meet its requirements, with 3 if one cannot "
-                               "be computed"}},
-                  long_work_option(),
-                  output_options()}),
-          run,
-          {{"qerr sweep arm.yaml", "every variant of the grid, one line each"},
-           {"qerr sweep arm.yaml -o sweep.csv", "every figure of every variant, one a row"},
-           {"qerr sweep arm.yaml -o sweep.csv --resume", "go on after an interruption"},
-           {"qerr sweep arm.yaml --wide --statistics max,p99 -o wide.csv",
-            "one row a variant, with its requirements"},
-           {"qerr sweep arm.yaml --shard 2/5 -o 2.csv", "the second of five parts, for a cluster"},
-           {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv",
-            "and all of them in one file"}},
-          {"variants", "spec", "output"}};
+  return {
+      "sweep",
+      "Figures of every variant of a spec: the grid of its `sweep:` section",
+      joined(
+          {spec_options(),
+           sweep_row_options(),
+           {valued("--shard", "K/N", "compute part K of N parts; qerr merge joins their files"),
+            flag("--resume", "go on after what is whole in the output's file"),
+            flag("--check",
+                 "end with 1 if a variant does not meet its requirements, with 3 if one cannot be computed")},
+           long_work_option(),
+           output_options()}),
+      run,
+      {{"qerr sweep arm.yaml", "every variant of the grid, one line each"},
+       {"qerr sweep arm.yaml -o sweep.csv", "every figure of every variant, one a row"},
+       {"qerr sweep arm.yaml -o sweep.csv --resume", "go on after an interruption"},
+       {"qerr sweep arm.yaml --wide --statistics max,p99 -o wide.csv",
+        "one row a variant, with its requirements"},
+       {"qerr sweep arm.yaml --shard 2/5 -o 2.csv", "the second of five parts, for a cluster"},
+       {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv",
+        "and all of them in one file"}},
+      {"variants", "spec", "output"}};
 }
 
 }  // namespace qerr::cli

@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-#include "cli/caller.hpp"
+#include "cli/command.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"

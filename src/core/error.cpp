@@ -67,6 +67,14 @@ std::string format(const std::vector<Fault>& faults) {
   return text;
 }
 
+Error::Error(Place place, std::string key, std::string rule, std::string found, std::string remedy,
+             Trouble trouble)
+    : Error(Fault{std::move(place), std::move(key), std::move(rule), std::move(found), std::move(remedy)},
+            trouble) {}
+
+Error::Error(std::string key, std::string rule, std::string found, std::string remedy, Trouble trouble)
+    : Error(Place{}, std::move(key), std::move(rule), std::move(found), std::move(remedy), trouble) {}
+
 Error::Error(Fault fault, Trouble trouble) : Error(std::vector<Fault>{std::move(fault)}, trouble) {}
 
 Error::Error(std::vector<Fault> faults, Trouble trouble)

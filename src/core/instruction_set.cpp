@@ -49,12 +49,8 @@ InstructionSet chosen() {
     if (name_of(set) == wish) return set;
     known.emplace_back(name_of(set));
   }
-  throw Error({{"", 0, 0},
-               "QERR_INSTRUCTION_SET",
-               "no such instruction set on this processor",
-               "'" + std::string(wish) + "'",
-               did_you_mean(wish, known)},
-              Trouble::usage);
+  throw Error({"", 0, 0}, "QERR_INSTRUCTION_SET", "no such instruction set on this processor",
+              "'" + std::string(wish) + "'", did_you_mean(wish, known), Trouble::usage);
 }
 
 }  // namespace

@@ -150,9 +150,8 @@ void OutputFile::end_temporary() {
 }
 
 void OutputFile::fail(const std::string& what, int code) {
-  throw Error(
-      Fault{{path_ == "-" ? "standard output" : path_, 0, 0}, "", what + ": " + std::strerror(code), "", ""},
-      Trouble::file_system);
+  throw Error({path_ == "-" ? "standard output" : path_, 0, 0}, "", what + ": " + std::strerror(code), "", "",
+              Trouble::file_system);
 }
 
 void OutputFile::write(std::string_view text) {
@@ -231,12 +230,8 @@ GrowingFile::GrowingFile(std::string path, const std::string& option, bool keep)
   if (!regular_) return;
   // File systems without locks are used without them.
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw Error(Fault{{path_},
-                      option,
-                      "another process is writing this file",
-                      "",
-                      "wait for it, or give the output another name"},
-                Trouble::file_system);
+    throw Error({path_}, option, "another process is writing this file", "",
+                "wait for it, or give the output another name", Trouble::file_system);
   if (!keep) cut(0);
 }
 
@@ -245,9 +240,8 @@ GrowingFile::~GrowingFile() {
 }
 
 void GrowingFile::fail(const std::string& what, int code) const {
-  throw Error(
-      Fault{{path_ == "-" ? "standard output" : path_, 0, 0}, "", what + ": " + std::strerror(code), "", ""},
-      Trouble::file_system);
+  throw Error({path_ == "-" ? "standard output" : path_, 0, 0}, "", what + ": " + std::strerror(code), "", "",
+              Trouble::file_system);
 }
 
 std::string GrowingFile::read(std::uint64_t from, std::size_t most) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace qerr {
@@ -57,5 +60,22 @@ void note_output(const std::string& path, const std::string& option = {});
 /// is read several times where variants of it are. Empty if there is none.
 std::optional<std::string> piped_text(const std::string& path);
 void keep_piped(const std::string& path, const std::string& text);
+
+/// SHA-256 (FIPS 180-4) of bytes that come piece by piece.
+class Sha256 {
+ public:
+  void add(std::string_view bytes);
+  /// Of all bytes so far, as 64 hexadecimal digits.
+  std::string digest() const;
+
+ private:
+  std::array<std::uint32_t, 8> state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
+                                      0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  std::string rest_;  ///< less than a block of 64 bytes
+  std::uint64_t size_ = 0;
+};
+
+/// SHA-256 of the bytes, as 64 hexadecimal digits: the fingerprint of a spec in its report.
+std::string sha256(std::string_view bytes);
 
 }  // namespace qerr

@@ -17,9 +17,6 @@ std::string printed(double value, std::chars_format format, int precision) {
   return failure == std::errc{} ? std::string(buffer.data(), end) : std::string("nan");
 }
 
-}  // namespace
-
-namespace {
 
 /// Length of the sequence and its code point; length 0 if the bytes are not well formed.
 struct CodePoint {

@@ -7,7 +7,7 @@ namespace qerr {
 namespace {
 
 Error undecided(const Requirement& r, const std::string& reason, const std::string& remedy) {
-  return Error(Fault{r.place, "requirements", reason, "'" + r.quantity + "'", remedy});
+  return Error(r.place, "requirements", reason, "'" + r.quantity + "'", remedy);
 }
 
 Error unknown_sigma(const Requirement& r) {

@@ -1,9 +1,8 @@
-#include "qerr/encoder/encoder_kinds.hpp"
-
 #include <algorithm>
 #include <stdexcept>
 
 #include "encoder/kinds/kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 
@@ -24,55 +23,39 @@ const EncoderKind& encoder_kind(std::string_view name) {
 
 const std::vector<Parameter>& common_encoder_parameters() {
   static const std::vector<Parameter> common{
-      {.name = "gear_ratio",
-       .meaning = "encoder revolutions per joint revolution; negative if the directions are opposite",
-       .fallback = 1.0,
-       .least = -1e9,
-       .most = 1e9,
-       .nonzero = true},
-      {.name = "travel_per_rev",
-       .dimension = dimension::length,
-       .meaning = "prismatic joints: travel per revolution of screw or pulley, after the gear",
-       .least = 0,
-       .open_below = true,
-       .usual = 1},
-      {.name = "rounding",
-       .kind = Kind::choice,
-       .meaning = "rounding of a position to a count",
-       .choices = "nearest|down"},
-      {.name = "zero",
-       .kind = Kind::choice,
-       .meaning = "free: incremental without index, a constant error is not identifiable",
-       .choices = "known|free"},
-      {.name = "accuracy",
-       .meaning = "data sheet's bound on the slow error: an angle of the encoder's shaft, or of the joint "
-                  "beside resolution; a length is at the joint",
-       .least = 0,
-       .coordinate = true,
-       .usual = 0.01},
-      {.name = "gear_accuracy",
-       .meaning = "the gear's bound on the slow error (transmission error), at the joint as its data sheet "
-                  "gives it",
-       .least = 0,
-       .coordinate = true,
-       .usual = 0.01},
-      {.name = "max_frequency",
-       .dimension = dimension::frequency,
-       .meaning = "highest frequency of one channel's signal: of lines or signal periods, a quarter of the "
+      key::number("gear_ratio",
+                  "encoder revolutions per joint revolution; negative if the directions are opposite")
+          .otherwise(1.0)
+          .within(-1e9, 1e9)
+          .not_zero(),
+      key::number("travel_per_rev",
+                  "prismatic joints: travel per revolution of screw or pulley, after the gear",
+                  dimension::length)
+          .above(0)
+          .usually_below(1),
+      key::choice("rounding", "nearest|down", "rounding of a position to a count"),
+      key::choice("zero", "known|free",
+                  "free: incremental without index, a constant error is not identifiable"),
+      key::coordinate("accuracy",
+                      "data sheet's bound on the slow error: an angle of the encoder's shaft, or of the "
+                      "joint beside resolution; a length is at the joint")
+          .from(0)
+          .usually_below(0.01),
+      key::coordinate(
+          "gear_accuracy",
+          "the gear's bound on the slow error (transmission error), at the joint as its data sheet gives it")
+          .from(0)
+          .usually_below(0.01),
+      key::number("max_frequency",
+                  "highest frequency of one channel's signal: of lines or signal periods, a quarter of the "
                   "count rate at x4",
-       .least = 0,
-       .open_below = true},
-      {.name = "max_count_rate",
-       .dimension = dimension::frequency,
-       .meaning = "highest rate of counts",
-       .least = 0,
-       .open_below = true},
-      {.name = "counter_bits",
-       .kind = Kind::integer,
-       .meaning = "bits of the counter: at most 2^(bits - 1) counts a sample of the filters are told from "
-                  "their opposite",
-       .least = 2,
-       .most = 64},
+                  dimension::frequency)
+          .above(0),
+      key::number("max_count_rate", "highest rate of counts", dimension::frequency).above(0),
+      key::integer("counter_bits",
+                   "bits of the counter: at most 2^(bits - 1) counts a sample of the filters are told from "
+                   "their opposite")
+          .within(2, 64),
   };
   return common;
 }

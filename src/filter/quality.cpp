@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/search.hpp"
-#include "filter/bandwidth.hpp"
 #include "filter/frequency_response.hpp"
 #include "filter/norms/sequence.hpp"
 #include "filter/run/cascade.hpp"

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -25,7 +25,7 @@ constexpr std::uint64_t largest_chunk = std::uint64_t{1} << 30;  // [bytes] of a
 
 [[noreturn]] void refuse_bag(const std::string& file, const std::string& rule,
                              const std::string& remedy = {}) {
-  throw Error({{file, 0, 0}, "", rule, "", remedy});
+  throw Error({file, 0, 0}, "", rule, "", remedy);
 }
 
 /// Decompressed bytes of a Zstandard frame, `limit` at most.
@@ -301,13 +301,9 @@ std::vector<std::string> parts_of_bag(const std::string& path) {
     compressed = compressed || ending == ".zstd";
   }
   if (parts.empty())
-    throw Error(
-        {{path, 0, 0},
-         "",
-         "a folder that has no file of a bag: .mcap or .db3",
-         "",
-         compressed ? "unpack those that are compressed as a whole: zstd -d FILE.zstd" : "name a file"},
-        Trouble::file_system);
+    throw Error({path, 0, 0}, "", "a folder that has no file of a bag: .mcap or .db3", "",
+                compressed ? "unpack those that are compressed as a whole: zstd -d FILE.zstd" : "name a file",
+                Trouble::file_system);
   std::sort(parts.begin(), parts.end(), [](const std::string& a, const std::string& b) {
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });

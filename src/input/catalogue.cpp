@@ -1,7 +1,6 @@
 #include "input/catalogue.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <unordered_map>
 
@@ -13,7 +12,7 @@
 #include "input/joint_entries.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 
@@ -65,8 +64,8 @@ CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, c
   if (point == std::string::npos) {
     const Parameter* size = size_of(kind);
     if (!size)
-      throw Error({place, name, "the effect has several parameters", qerr::quoted(name),
-                   "name one a column: " + name + '.' + std::string(kind.parameters.front().name)});
+      throw Error(place, name, "the effect has several parameters", qerr::quoted(name),
+                  "name one a column: " + name + '.' + std::string(kind.parameters.front().name));
     column.detail = size->name;
     return column;
   }
@@ -74,8 +73,8 @@ CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, c
   std::vector<std::string> known;
   for (const Parameter& row : kind.parameters) known.emplace_back(row.name);
   if (!has(known, column.detail))
-    throw Error({place, name, "the effect has no such parameter", qerr::quoted(column.detail),
-                 did_you_mean(column.detail, known)});
+    throw Error(place, name, "the effect has no such parameter", qerr::quoted(column.detail),
+                did_you_mean(column.detail, known));
   return column;
 }
 
@@ -104,25 +103,25 @@ CatalogueColumn column_of(const std::string& header, const Place& place) {
   if (has(encoder_keys(), name)) return {Role::encoder, name, {}, cell.unit};
   if (has(effect_names(), name.substr(0, name.find('.')))) return effect_column(name, cell, place);
   if (const EncoderKind* kind = refusing_kind(name))
-    throw Error({place, name, "is ambiguous: vendors use it for lines and for counts, 4 times as many",
-                 qerr::quoted(name), std::string(kind->ambiguous_remedy)});
+    throw Error(place, name, "is ambiguous: vendors use it for lines and for counts, 4 times as many",
+                qerr::quoted(name), std::string(kind->ambiguous_remedy));
   std::vector<std::string> known = encoder_keys();
   known.insert(known.end(), {"name", "price"});
   for (const std::string& effect : effect_names()) known.push_back(effect);
   if (const std::string meant = another_spelling(name, known); !meant.empty())
-    throw Error({place, name, "is not how this column is written", qerr::quoted(name),
-                 "write '" + meant + "', a unit in brackets behind it: '" + meant + " [unit]'"});
+    throw Error(place, name, "is not how this column is written", qerr::quoted(name),
+                "write '" + meant + "', a unit in brackets behind it: '" + meant + " [unit]'");
   // A slip of the keyboard rarely hits the first letter; `mounting` is not meant to be `rounding`.
   if (const std::string near = nearest(name, known); !near.empty() && near.front() == name.front())
-    throw Error({place, name, "unknown column, and nearly one that is known", qerr::quoted(name),
-                 "did you mean '" + near + "'? Name a column of descriptions differently"});
+    throw Error(place, name, "unknown column, and nearly one that is known", qerr::quoted(name),
+                "did you mean '" + near + "'? Name a column of descriptions differently");
   constexpr const char* of_speed[] = {"speed", "frequency", "count_rate", "rpm"};
   for (const char* word : of_speed)
     if (name.find(word) != std::string::npos && name.find("max") != std::string::npos)
-      throw Error(
-          {place, name, "unknown column, and a limit of speed that would not be kept", qerr::quoted(name),
-           "state it as max_frequency [kHz] of the signal periods, or as max_count_rate [kHz]: speed in "
-           "turns a second times counts a turn; name a column of descriptions differently"});
+      throw Error(place, name, "unknown column, and a limit of speed that would not be kept",
+                  qerr::quoted(name),
+                  "state it as max_frequency [kHz] of the signal periods, or as max_count_rate [kHz]: speed "
+                  "in turns a second times counts a turn; name a column of descriptions differently");
   return {Role::description, {}, {}, {}};
 }
 
@@ -146,8 +145,8 @@ void add_entry(Node& mapping, const std::string& key, Node value, const Place& p
 double price_of(const std::string& text, const Place& place) {
   const auto price = parse_number(text);
   if (price && *price >= 0 && *price <= highest_price) return *price;
-  throw Error({place, "price", "must be a number from 0 to 1e9", qerr::quoted(text),
-               "write the number alone; its currency may stand in the header, price [EUR]"});
+  throw Error(place, "price", "must be a number from 0 to 1e9", qerr::quoted(text),
+              "write the number alone; its currency may stand in the header, price [EUR]");
 }
 
 void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, const Place& place) {
@@ -201,7 +200,7 @@ CatalogueRow row_of(const std::vector<CatalogueColumn>& columns, const std::vect
     }
   }
   if (row.name.empty())
-    throw Error({row.place, "name", "the row has no name", "", "give each row a name of its own"});
+    throw Error(row.place, "name", "the row has no name", "", "give each row a name of its own");
   return row;
 }
 
@@ -213,8 +212,7 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
       columns[i] = column_of(csv.header()[i], csv.header_place(i));
       const std::string name = column_name(csv.header()[i]).name;
       if (!seen.insert(name).second)
-        throw Error(
-            {csv.header_place(i), name, "duplicate column", qerr::quoted(name), "keep one of the two"});
+        throw Error(csv.header_place(i), name, "duplicate column", qerr::quoted(name), "keep one of the two");
     });
   // A file of another kind may hold what is nobody's business: its first line is not repeated.
   const bool known = std::any_of(columns.begin(), columns.end(), [](const CatalogueColumn& c) {
@@ -222,8 +220,8 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
   });
   if (!seen.contains("name"))
     faults.guard([&] {
-      throw Error({csv.header_place(0), "name", "the catalogue has no column of this name",
-                   known ? list_of_names(csv.header()) : "", "add it: it names the rows in reports"});
+      throw Error(csv.header_place(0), "name", "the catalogue has no column of this name",
+                  known ? list_of_names(csv.header()) : "", "add it: it names the rows in reports");
     });
   return columns;
 }
@@ -249,14 +247,14 @@ Catalogue read_catalogue(const std::string& path) {
       CatalogueRow row = row_of(columns, cells, places);
       const auto [other, is_new] = lines.emplace(row.name, row.place.line);
       if (!is_new)
-        throw Error({row.place, "name", "duplicate name, as in line " + std::to_string(other->second),
-                     qerr::quoted(row.name), "give each row a name of its own"});
+        throw Error(row.place, "name", "duplicate name, as in line " + std::to_string(other->second),
+                    qerr::quoted(row.name), "give each row a name of its own");
       catalogue.rows.push_back(std::move(row));
     });
   faults.raise();
   if (decimals.commas && !decimals.ambiguities.empty()) throw Error(decimals.ambiguities);
   if (catalogue.rows.empty())
-    throw Error({{csv.file(), 1, 1}, "", "the catalogue has no rows", "", "add a row for each encoder"});
+    throw Error({csv.file(), 1, 1}, "", "the catalogue has no rows", "", "add a row for each encoder");
   return catalogue;
 }
 

@@ -51,7 +51,7 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
   const std::size_t sample = limits_.recognize ? std::min<std::size_t>(1 << 16, limits_.longest_row) : 8;
   while (end_ < sample && fill()) {
   }
-  if (end_ == 0) throw Error({{file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers"});
+  if (end_ == 0) throw Error({file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers");
   if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) row_ = next_ = 3;
   if (limits_.recognize) recognize();
   read_header();
@@ -61,11 +61,9 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
 void CsvReader::recognize() {
   format_ = recognize_table({buffer_.data() + next_, end_ - next_});
   if (format_.maybe_thousands)
-    throw Error({{file(), format_.header_line + 1, 1},
-                 "",
-                 "commas with three digits behind each: of thousands, or of decimals?",
-                 "",
-                 "write numbers without marks of thousands, or with decimal points"});
+    throw Error({file(), format_.header_line + 1, 1}, "",
+                "commas with three digits behind each: of thousands, or of decimals?", "",
+                "write numbers without marks of thousands, or with decimal points");
   next_line_ += format_.header_line - 1;
   row_ = next_ += format_.header;
 }
@@ -97,7 +95,7 @@ void CsvReader::read_header() {
     row_ = next_;
     line_ = next_line_;
     if (next_ == end_ && !fill())
-      throw Error({{file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers"});
+      throw Error({file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers");
     if (!format_.has_header) return number_columns();
     const bool comment = buffer_[next_] == '#';
     const char* end = comment ? nullptr : record_end(buffer_.data() + next_);
@@ -107,11 +105,8 @@ void CsvReader::read_header() {
       end = static_cast<const char*>(found);
     }
     if (!end)
-      throw Error({{file(), line(), 1},
-                   "",
-                   "a line is too long",
-                   "",
-                   "at most " + std::to_string(limits_.longest_row) + " bytes"});
+      throw Error({file(), line(), 1}, "", "a line is too long", "",
+                  "at most " + std::to_string(limits_.longest_row) + " bytes");
     const char* begin = buffer_.data() + row_;
     next_line_ += 1 + std::count(begin, end, '\n');
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
@@ -126,13 +121,13 @@ void CsvReader::read_header() {
     for (std::size_t k = 0; k < header_[i].size();) {
       const std::size_t length = header_[i][k] == '\0' ? 0 : utf8_length(header_[i], k);
       if (length == 0)
-        throw Error({header_places_[i], "", "the header must be UTF-8 text", "'" + header_[i] + "'",
-                     header_[i][k] == '\0' ? "is this a text file?" : "save the file as UTF-8"});
+        throw Error(header_places_[i], "", "the header must be UTF-8 text", "'" + header_[i] + "'",
+                    header_[i][k] == '\0' ? "is this a text file?" : "save the file as UTF-8");
       k += length;
     }
   if (std::all_of(header_.begin(), header_.end(), [](const auto& h) { return parse_number(h).has_value(); }))
-    throw Error({header_places_[0], "", "the first row must name the columns", "numbers",
-                 "a header such as time [s],shoulder.counts"});
+    throw Error(header_places_[0], "", "the first row must name the columns", "numbers",
+                "a header such as time [s],shoulder.counts");
   if (format_.has_units) add_units();
   if (format_.keyed_until > 0) take_keyed_rows();
   if (limits_.recognize) fit_header();
@@ -322,15 +317,15 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
       p += p != end && *p == '"';
       while (p != end && is_blank_in_cell(*p)) ++p;
       if (p != end && !separates(*p))
-        throw Error(
-            {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
+        throw Error(place_at(p), "", "text follows the closing quote", "",
+                    "a quote within a cell is doubled");
     } else {
       while (p != end && !separates(*p)) ++p;
       cell.text.assign(cell.begin, p);
       while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
       if (const auto at = cell.text.find('\r'); at != std::string::npos)
-        throw Error({place_at(cell.begin + at), "", "a carriage return without a line feed", "",
-                     "end lines with LF or CR LF"});
+        throw Error(place_at(cell.begin + at), "", "a carriage return without a line feed", "",
+                    "end lines with LF or CR LF");
     }
     cells.push_back(std::move(cell));
     if (p == end) return cells;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -247,13 +246,10 @@ const char* CsvReader::record_end(const char* begin) {
     const auto offset = static_cast<std::size_t>(quoted ? opened - (buffer_.data() + row_) : 0);
     if (too_long || !fill()) {
       if (quoted)
-        throw Error({place_at(buffer_.data() + row_ + offset), "", "a quotation mark is not closed", "",
-                     "end the cell with \"; inside a cell it is doubled"});
-      throw Error({{file(), line(), 1},
-                   "",
-                   "a line is too long",
-                   "",
-                   "at most " + std::to_string(limits_.longest_row) + " bytes"});
+        throw Error(place_at(buffer_.data() + row_ + offset), "", "a quotation mark is not closed", "",
+                    "end the cell with \"; inside a cell it is doubled");
+      throw Error({file(), line(), 1}, "", "a line is too long", "",
+                  "at most " + std::to_string(limits_.longest_row) + " bytes");
     }
     begin = buffer_.data() + row_;
   }
@@ -266,11 +262,8 @@ void CsvReader::ragged(std::size_t cells) const {
     remedy = "comments are allowed only before the header";
   else if (unterminated_ && next_ == end_)
     remedy += "; the file ends within this row: was the recording cut off?";
-  throw Error({{file(), line(), 1},
-               "",
-               "the row must have as many cells as the header",
-               counted(cells, "cell"),
-               remedy});
+  throw Error({file(), line(), 1}, "", "the row must have as many cells as the header",
+              counted(cells, "cell"), remedy);
 }
 
 /// The number of a cell with a decimal point in place of a comma.
@@ -315,17 +308,17 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
   const char* const end = read_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + ended.size() - 1) return;
   const std::string unit = number_and_unit(cell.text).unit;
-  throw Error({place_at(cell.begin), header_[chosen_[chosen]],
-               cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
-               cell.text.empty() ? "" : "'" + cell.text + "'",
-               cell.text.find("\u00b0") != std::string::npos && cell.text.find('\'') != std::string::npos
-                   ? "write degrees, minutes and seconds as decimal degrees, 12.582417 in a column '" +
-                         column_name(header_[chosen_[chosen]]).name + " [deg]'"
-               : unit.empty()
-                   ? "write a plain number, or leave the row out" +
-                         (is_missing(cell.text) ? limits_.empty_remedy : "")
-                   : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name +
-                         " [" + unit + "]', and plain numbers"});
+  throw Error(
+      place_at(cell.begin), header_[chosen_[chosen]],
+      cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
+      cell.text.empty() ? "" : "'" + cell.text + "'",
+      cell.text.find("\u00b0") != std::string::npos && cell.text.find('\'') != std::string::npos
+          ? "write degrees, minutes and seconds as decimal degrees, 12.582417 in a column '" +
+                column_name(header_[chosen_[chosen]]).name + " [deg]'"
+      : unit.empty()
+          ? "write a plain number, or leave the row out" + (is_missing(cell.text) ? limits_.empty_remedy : "")
+          : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name + " [" +
+                unit + "]', and plain numbers");
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {

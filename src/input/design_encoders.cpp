@@ -4,11 +4,11 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
-#include "input/design_sections.hpp"
+#include "input/design_request.hpp"
 #include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 
@@ -51,18 +51,17 @@ class OptionReader {
 
   void check_keys() const {
     if (field_.node->type != Node::Type::mapping)
-      throw Error(field_.fault("must be a mapping", "write {catalogue: FILE.csv} or {bits: 12..23}"));
+      field_.refuse("must be a mapping", "write {catalogue: FILE.csv} or {bits: 12..23}");
     std::vector<std::string> known = encoder_keys();
     known.insert(known.end(), {"catalogue", "price", "gear_price"});
     for (const Node::Entry& entry : field_.node->entries)
       if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-        throw Error({entry.key.place, field_.path_of(entry.key.name), "unknown key",
-                     qerr::quoted(entry.key.name), did_you_mean(entry.key.name, known)});
+        throw Error(entry.key.place, field_.path_of(entry.key.name), "unknown key",
+                    qerr::quoted(entry.key.name), did_you_mean(entry.key.name, known));
     if (field_.node->find("catalogue") && field_.node->find("price"))
-      throw Error(at("price").fault("the catalogue has the prices", "remove price"));
+      at("price").refuse("the catalogue has the prices", "remove price");
     if (field_.node->find("gear_price") && !field_.node->find("gear_ratio"))
-      throw Error(
-          at("gear_price").fault("is the price of a gear ratio, and there is none", "add gear_ratio"));
+      at("gear_price").refuse("is the price of a gear ratio, and there is none", "add gear_ratio");
   }
 
   std::vector<EncoderOption> of_catalogue(const Field& f, std::string& price_unit) const {
@@ -72,9 +71,8 @@ class OptionReader {
     read_named_file(f, full, [&](const std::string& file) { catalogue = read_catalogue(file); });
     if (price_unit.empty()) price_unit = catalogue.price_unit;
     if (price_unit != catalogue.price_unit && !catalogue.price_unit.empty())
-      throw Error(f.fault(
-          "its prices are in " + catalogue.price_unit + ", those of another catalogue in " + price_unit,
-          "convert one of them"));
+      f.refuse("its prices are in " + catalogue.price_unit + ", those of another catalogue in " + price_unit,
+               "convert one of them");
     std::vector<EncoderOption> options;
     std::vector<Fault> faults;
     for (const CatalogueRow& row : catalogue.rows) {
@@ -96,14 +94,14 @@ class OptionReader {
     const std::vector<double> prices =
         key == "gear_ratio" ? gear_prices(values.size()) : std::vector<double>{};
     if (options.size() * values.size() > most_options)
-      throw Error(field_.fault("gives more than 10000 options", "list the ones that can be bought"));
+      field_.refuse("gives more than 10000 options", "list the ones that can be bought");
     std::vector<EncoderOption> all;
     for (const EncoderOption& option : options) {
       if (option.entry.find(key)) {
         // Of a row that states its own, a price of the value here would be another one's.
         if (!prices.empty())
-          throw Error(f.fault("the catalogue states it for " + qerr::quoted(option.name),
-                              "remove gear_price here, or the column from the catalogue"));
+          f.refuse("the catalogue states it for " + qerr::quoted(option.name),
+                   "remove gear_price here, or the column from the catalogue");
         all.push_back(option);
         continue;
       }
@@ -125,8 +123,8 @@ class OptionReader {
     std::vector<double> prices;
     for (const Field& item : read_list(f)) prices.push_back(price_at(item));
     if (prices.size() != ratios)
-      throw Error(f.fault("must be as many as the gear ratios, " + std::to_string(ratios),
-                          "give one price for each gear ratio, in their order"));
+      f.refuse("must be as many as the gear ratios, " + std::to_string(ratios),
+               "give one price for each gear ratio, in their order");
     return prices;
   }
 
@@ -140,10 +138,10 @@ class OptionReader {
     const Field f = at("price");
     if (f.node->type == Node::Type::sequence) return set_listed_prices(f, options);
     if (f.node->type != Node::Type::mapping)
-      throw Error(f.fault("is ambiguous: of each, or of a bit?",
-                          "write {per_bit: 2}, {fixed: 50}, both, or a list with one price for each value"));
-    const Object o(f, {{.name = "fixed", .meaning = "of each", .fallback = 0.0, .least = 0},
-                       {.name = "per_bit", .meaning = "of a bit", .fallback = 0.0, .least = 0}});
+      f.refuse("is ambiguous: of each, or of a bit?",
+               "write {per_bit: 2}, {fixed: 50}, both, or a list with one price for each value");
+    const Object o(f, {key::number("fixed", "of each").otherwise(0.0).from(0),
+                       key::number("per_bit", "of a bit").otherwise(0.0).from(0)});
     for (EncoderOption& option : options) {
       *option.price += *o.number("fixed");
       option.price_per_bit = *o.number("per_bit");
@@ -162,9 +160,9 @@ class OptionReader {
       }
     const std::size_t wanted = list ? values_of(at(list->key.name)).size() : 1;
     if (lists > 1 || prices.size() != wanted)
-      throw Error(f.fault(lists > 1 ? "several keys have several values: of which are these the prices?"
-                                    : "must have one price for each value, " + std::to_string(wanted),
-                          "or write {fixed: 50, per_bit: 2}, or a catalogue"));
+      f.refuse(lists > 1 ? "several keys have several values: of which are these the prices?"
+                         : "must have one price for each value, " + std::to_string(wanted),
+               "or write {fixed: 50, per_bit: 2}, or a catalogue");
     for (EncoderOption& option : options) {
       std::size_t index = 0;
       if (list) {
@@ -186,7 +184,7 @@ class OptionReader {
 void read_design_encoders(const Field& f, const std::string& folder, const RobotModel& robot, bool priced,
                           Spec& spec, DesignRequest& request, Faults& faults) {
   if (read_map(f).empty())
-    throw Error(f.fault("names no joint", "write '*': {bits: 12..23} for all, or leave the section out"));
+    f.refuse("names no joint", "write '*': {bits: 12..23} for all, or leave the section out");
   const std::vector<JointEntry> entries = joint_entries(f, robot, spec, faults);
   std::map<std::string, std::optional<std::vector<EncoderOption>>> read;  // by the entry's path
   for (std::size_t j = 0; j < entries.size(); ++j) {

@@ -5,7 +5,7 @@
 
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 

@@ -10,7 +10,7 @@
 #include "input/joint_table.hpp"
 #include "input/urdf_reader.hpp"
 #include "input/yaml_text.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/robot_model.hpp"
@@ -256,11 +256,10 @@ Chain first_chain(const RobotModel& robot, const std::string& base, const std::s
     }
   }
   if (first) throw *first;
-  throw Error(Fault{{robot.file},
-                    "",
-                    base.empty() ? "no joint of this robot moves" : "no joint below the base moves",
-                    counted(robot.joints.size(), "joint") + ", none revolute, continuous or prismatic",
-                    "there is nothing to analyze"});
+  throw Error({robot.file}, "",
+              base.empty() ? "no joint of this robot moves" : "no joint below the base moves",
+              counted(robot.joints.size(), "joint") + ", none revolute, continuous or prismatic",
+              "there is nothing to analyze");
 }
 
 std::string first_spec(const RobotModel& robot, const Chain& chain, const std::string& urdf) {

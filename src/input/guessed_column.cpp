@@ -1,11 +1,10 @@
-#include "input/guessed_column.hpp"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "input/log_clock.hpp"
+#include "input/log_columns.hpp"
 #include "input/table_format.hpp"
 #include "qerr/core/quantity.hpp"
 

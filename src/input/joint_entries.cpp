@@ -24,16 +24,16 @@ std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::s
     if (joint.name != name) continue;
     const std::string quoted = "'" + name + "'";
     if (joint.mimic)
-      throw Error({place, path, "a mimic joint has no entry of its own",
-                   quoted + ", which follows '" + joint.mimic->joint + "'",
-                   "give it for '" + joint.mimic->joint + "'"});
+      throw Error(place, path, "a mimic joint has no entry of its own",
+                  quoted + ", which follows '" + joint.mimic->joint + "'",
+                  "give it for '" + joint.mimic->joint + "'");
     if (joint.type == JointType::fixed)
-      throw Error({place, path, "the joint is fixed", quoted, did_you_mean("", names)});
-    throw Error({place, path, "the joint is not between base and tip", quoted, did_you_mean("", names)});
+      throw Error(place, path, "the joint is fixed", quoted, did_you_mean("", names));
+    throw Error(place, path, "the joint is not between base and tip", quoted, did_you_mean("", names));
   }
   if (std::find(robot.links.begin(), robot.links.end(), name) != robot.links.end())
-    throw Error({place, path, "this is a link, not a joint", "'" + name + "'", did_you_mean("", names)});
-  throw Error({place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names)});
+    throw Error(place, path, "this is a link, not a joint", "'" + name + "'", did_you_mean("", names));
+  throw Error(place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names));
 }
 
 bool off_chain(const RobotModel& robot, const Chain& chain, const std::string& name) {
@@ -72,10 +72,10 @@ bool is_joint(const Chain& chain, const std::string& name) {
 
 Error no_joint(const Chain& chain, const std::string& pattern, const Place& place, const std::string& path) {
   const bool open = pattern.find('[') != std::string::npos && pattern.find(']') == std::string::npos;
-  return Error({place, path, "the pattern fits no joint between base and tip", qerr::quoted(pattern),
-                open                                      ? "close the bracket, as in joint[1-3]"
-                : pattern.find(".*") != std::string::npos ? "write * for any text, without the point"
-                                                          : did_you_mean("", joint_names(chain))});
+  return Error(place, path, "the pattern fits no joint between base and tip", qerr::quoted(pattern),
+               open                                      ? "close the bracket, as in joint[1-3]"
+               : pattern.find(".*") != std::string::npos ? "write * for any text, without the point"
+                                                         : did_you_mean("", joint_names(chain)));
 }
 
 /// Whether a key stands for joints that move but are not part of the chain.
@@ -107,11 +107,11 @@ void refuse_overlaps(const Chain& chain, const std::vector<JointEntry>& entries,
   }
   for (std::size_t p = 0; p < pairs.size(); ++p)
     faults.guard([&] {
-      throw Error({pairs[p].second->node->place, pairs[p].second->path,
-                   "two patterns fit " + std::string(joints[p].size() == 1 ? "joint " : "the joints ") +
-                       list_of_names(joints[p]),
-                   pairs[p].first->path + " and " + pairs[p].second->path,
-                   "write the joint's own name, or patterns that exclude each other"});
+      throw Error(pairs[p].second->node->place, pairs[p].second->path,
+                  "two patterns fit " + std::string(joints[p].size() == 1 ? "joint " : "the joints ") +
+                      list_of_names(joints[p]),
+                  pairs[p].first->path + " and " + pairs[p].second->path,
+                  "write the joint's own name, or patterns that exclude each other");
     });
 }
 
@@ -154,8 +154,8 @@ std::vector<JointEntry> joint_entries(const Field& map, const RobotModel& robot,
     if (unused(robot, chain, key.name)) {
       if (key.place.line == 0) {  // of an override, which would change nothing
         faults.guard([&] {
-          throw Error({key.place, value.path, "governs nothing: the joint is not between base and tip",
-                       qerr::quoted(key.name), did_you_mean("", joint_names(chain))});
+          throw Error(key.place, value.path, "governs nothing: the joint is not between base and tip",
+                      qerr::quoted(key.name), did_you_mean("", joint_names(chain)));
         });
         continue;
       }

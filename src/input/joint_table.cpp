@@ -51,10 +51,10 @@ std::size_t find_column(const LogTable& table, const std::string& joint) {
     best.push_back(i);
   }
   if (best.empty())
-    throw Error({table.header()[0].place, joint, "the file has no column for this joint", "",
-                 did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it"});
+    throw Error(table.header()[0].place, joint, "the file has no column for this joint", "",
+                did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it");
   if (best.size() > 1)
-    throw Error({table.header()[best[1]].place, joint, "duplicate column", "", "keep one of them"});
+    throw Error(table.header()[best[1]].place, joint, "duplicate column", "", "keep one of them");
   return best.front();
 }
 
@@ -63,10 +63,10 @@ void require_columns(const LogTable& table, const Chain& chain) {
   for (const LogHeader& column : table.header())
     for (const std::string& name : joint_names(chain))
       if (rank_of(column, name)) return;
-  throw Error({table.header()[0].place, "", "no column of the file is a joint of the chain", "",
-               "give a file with a header of the joints' names: " + list_of_names(joint_names(chain)) +
-                   ", or map its columns, as with log: {columns: {" + joint_names(chain)[0] +
-                   ".reference: COLUMN}}"});
+  throw Error(table.header()[0].place, "", "no column of the file is a joint of the chain", "",
+              "give a file with a header of the joints' names: " + list_of_names(joint_names(chain)) +
+                  ", or map its columns, as with log: {columns: {" + joint_names(chain)[0] +
+                  ".reference: COLUMN}}");
 }
 
 /// The scale of a column from its unit to SI.
@@ -80,8 +80,8 @@ Unit column_unit(const LogHeader& column, const std::string& joint, Dimension di
   std::string why;
   const auto read = parse_unit(unit, why);
   if (!read || read->dimension != dimension)
-    throw Error({column.place, column.text, "the column has the wrong unit", "'" + unit + "'",
-                 "use " + unit_name(dimension) + " or a unit of that kind"});
+    throw Error(column.place, column.text, "the column has the wrong unit", "'" + unit + "'",
+                "use " + unit_name(dimension) + " or a unit of that kind");
   return *read;
 }
 
@@ -124,8 +124,8 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
     const auto time = std::find_if(table.header().begin(), table.header().end(),
                                    [](const LogHeader& h) { return h.meaning.signal == "time"; });
     if (time == table.header().end())
-      throw Error({table.header()[0].place, "time", "the file has no column for the time", "",
-                   "add a column 'time [s]', or say which it is: log: {time: COLUMN}"});
+      throw Error(table.header()[0].place, "time", "the file has no column for the time", "",
+                  "add a column 'time [s]', or say which it is: log: {time: COLUMN}");
     columns.push_back(static_cast<std::size_t>(time - table.header().begin()));
   }
   for (const IndependentJoint& joint : chain.independent) {
@@ -142,9 +142,9 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
   std::vector<double> row(columns.size()), positions, load_values;
   while (table.next(row.data(), 1)) {
     if (has_time && !result.time.empty() && !(row[0] > result.time.back()))
-      throw Error({table.last_line(), "time", "time must increase from row to row",
-                   shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
-                   "sort the rows and keep one per instant"});
+      throw Error(table.last_line(), "time", "time must increase from row to row",
+                  shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
+                  "sort the rows and keep one per instant");
     if (has_time) result.time.push_back(row[0]);
     for (std::size_t i = 0; i < units.size(); ++i) positions.push_back(units[i].in_si(row[has_time + i]));
     for (std::size_t i = 0; i < loads.size(); ++i)
@@ -163,7 +163,7 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
                          significant(most, 3) + ": write its unit behind the name, such as [deg]");
   }
   if (result.lines.empty())
-    throw Error({table.last_line(), "", "the file has no rows of numbers", "", "give at least one"});
+    throw Error(table.last_line(), "", "the file has no rows of numbers", "", "give at least one");
   result.positions =
       Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
                                         static_cast<Eigen::Index>(result.lines.size()));

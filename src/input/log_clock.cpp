@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/physical_range.hpp"
+#include "qerr/core/parameter.hpp"
 
 namespace qerr {
 

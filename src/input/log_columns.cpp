@@ -7,7 +7,6 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
-#include "input/log_proposal.hpp"
 #include "input/read_sections.hpp"
 
 namespace qerr {
@@ -88,10 +87,10 @@ void read_unit(LogColumn& column, const Dimension& dimension, const std::string&
   const auto read = parse_unit(unit, why);
   const std::string expected = counts ? "count" : unit_name(dimension);
   const std::string others = column.signal == LogSignal::effort ? ", A, or 1 for an arbitrary unit" : "";
-  if (!read) throw Error({place, column.header, why, "", "such as [" + expected + "]" + others});
+  if (!read) throw Error(place, column.header, why, "", "such as [" + expected + "]" + others);
   if (read->dimension != dimension || (counts && read->in_si(1) != 1))
-    throw Error({place, column.header, "the column has the wrong unit", "'" + unit + "'",
-                 "use " + expected + (others.empty() ? " or a unit of that kind" : others)});
+    throw Error(place, column.header, "the column has the wrong unit", "'" + unit + "'",
+                "use " + expected + (others.empty() ? " or a unit of that kind" : others));
   column.scale = *read;
 }
 
@@ -191,8 +190,8 @@ class ColumnFinder {
       const std::string behind(trimmed(std::string_view(header.text).substr(names_[k].size())));
       if (!behind.starts_with('(') && !behind.starts_with('[')) continue;
       const std::string unit = unit_name(dimension_of(known_[k].signal, known_[k].index, spec_.model.chain));
-      throw Error({header.place, header.text, "unknown unit", quoted(behind),
-                   "such as [" + unit + "], or what one step is: [0.001 " + unit + ']'});
+      throw Error(header.place, header.text, "unknown unit", quoted(behind),
+                  "such as [" + unit + "], or what one step is: [0.001 " + unit + ']');
     }
   }
 
@@ -207,10 +206,10 @@ class ColumnFinder {
     }
     if (far == 0) return;
     const Dimension d = dimension_of(known.signal, known.index, spec_.model.chain);
-    throw Error({header.place, header.text,
-                 "whole numbers beyond 1000 " + unit_name(d) + " without a unit: are they counts?", "",
-                 "write what one of them is behind the name: '" + header.text +
-                     (d == dimension::length ? " [0.001 mm]'" : " [360/4096 deg]'")});
+    throw Error(header.place, header.text,
+                "whole numbers beyond 1000 " + unit_name(d) + " without a unit: are they counts?", "",
+                "write what one of them is behind the name: '" + header.text +
+                    (d == dimension::length ? " [0.001 mm]'" : " [360/4096 deg]'"));
   }
 
   /// Positions that the log lacks, and that an ignored column is nearly called.
@@ -228,9 +227,9 @@ class ColumnFinder {
   static Error duplicate(const LogHeader& first, const LogHeader& second) {
     const bool one_file = first.place.file == second.place.file;
     const bool parts = !one_file && is_bag(first.place.file) && is_bag(second.place.file);
-    return Error({second.place, second.text, "duplicate column",
-                  one_file ? "" : "'" + first.text + "' in " + first.place.file,
-                  parts ? "of one recording in several files name the folder" : "keep one of them"});
+    return Error(second.place, second.text, "duplicate column",
+                 one_file ? "" : "'" + first.text + "' in " + first.place.file,
+                 parts ? "of one recording in several files name the folder" : "keep one of them");
   }
 
   /// Every column of the mapping must be in a file.
@@ -243,13 +242,13 @@ class ColumnFinder {
       std::vector<std::string> all;
       for (const LogHeader& h : table_.header()) {
         if (h.meaning.mapped && h.text == source.column)
-          throw Error({h.place, "log.columns." + source.signal, "a column is one quantity of the log",
-                       quoted(source.column) + ", which is mapped to " + quoted(h.meaning.signal) + ", too",
-                       "take out one of the two mappings"});
+          throw Error(h.place, "log.columns." + source.signal, "a column is one quantity of the log",
+                      quoted(source.column) + ", which is mapped to " + quoted(h.meaning.signal) + ", too",
+                      "take out one of the two mappings");
         if (!h.text.empty()) all.push_back(h.text);
       }
-      throw Error({table_.header()[0].place, "log.columns." + source.signal, "the log has no such column",
-                   quoted(source.column), did_you_mean(source.column, all)});
+      throw Error(table_.header()[0].place, "log.columns." + source.signal, "the log has no such column",
+                  quoted(source.column), did_you_mean(source.column, all));
     }
   }
 
@@ -341,7 +340,7 @@ void require_log_signal(const std::string& name, const Place& place, const std::
                         const Chain& chain) {
   const std::vector<std::string> known = log_signal_names(chain);
   if (std::find(known.begin(), known.end(), name) == known.end())
-    throw Error({place, path, "no signal of this robot's logs", quoted(name), did_you_mean(name, known)});
+    throw Error(place, path, "no signal of this robot's logs", quoted(name), did_you_mean(name, known));
 }
 
 LogColumns find_log_columns(const LogTable& table, const Spec& spec, std::vector<std::string>& warnings) {

@@ -1,7 +1,6 @@
 #include "input/log_names.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
@@ -224,11 +223,8 @@ std::string program_time_unit(const std::vector<std::string>& header) {
 void map_column(const std::string& assignment, Spec& spec) {
   const std::size_t mark = assignment.find('=');
   if (mark == std::string::npos || mark == 0 || mark + 1 == assignment.size())
-    throw Error({{"--column", 0, 0},
-                 "",
-                 "not a signal and its column",
-                 quoted(assignment),
-                 "such as --column a1.counts=q1_motor, or --column 'a1.reference=q1_link [deg]'"},
+    throw Error({"--column", 0, 0}, "", "not a signal and its column", quoted(assignment),
+                "such as --column a1.counts=q1_motor, or --column 'a1.reference=q1_link [deg]'",
                 Trouble::usage);
   const std::string signal = assignment.substr(0, mark);
   try {

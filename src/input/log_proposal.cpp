@@ -1,5 +1,3 @@
-#include "input/log_proposal.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,7 +6,6 @@
 #include <set>
 
 #include "core/text.hpp"
-#include "input/guessed_column.hpp"
 #include "input/log_columns.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/core/quantity.hpp"

@@ -1,7 +1,6 @@
 #include "input/log_samples.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "core/statistics.hpp"
@@ -66,8 +65,8 @@ void StampReader::refuse_before(double last) const {
 
 void StampReader::refuse(const std::string& rule, const std::string& remedy) const {
   const std::string text(table_.chosen_text(text_));
-  throw Error({table_.cell_place(column_), table_.header()[column_], rule,
-               text.empty() ? "" : "'" + text + "'", remedy});
+  throw Error(table_.cell_place(column_), table_.header()[column_], rule,
+              text.empty() ? "" : "'" + text + "'", remedy);
 }
 
 namespace {

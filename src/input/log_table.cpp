@@ -30,8 +30,8 @@ LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLi
       const auto time = file.samples->time();
       const auto& signals = file.samples->signals();
       if (sources > 1 && !time)
-        throw Error({signals[0].place, "", "files are joined by time: each needs time stamps", "",
-                     "add a column 'time [s]'"});
+        throw Error(signals[0].place, "", "files are joined by time: each needs time stamps", "",
+                    "add a column 'time [s]'");
       for (std::size_t i = 0; i < signals.size(); ++i) {
         if (i == time && !files_.empty()) continue;
         header_.push_back(signals[i]);
@@ -90,11 +90,8 @@ bool LogTable::next(double* values, std::ptrdiff_t stride) {
     if (!first) {
       if (rows_ == left_out_ && left_out_ + dropped_ > 0) refuse_incomplete_rows();
       if (rows_ == left_out_ && unenclosed_ > 0)
-        throw Error({{file_, 0, 0},
-                     "",
-                     "no reading lies between two samples of the reference",
-                     "",
-                     "stamp both files with one clock, or hold the last values with --hold"});
+        throw Error({file_, 0, 0}, "", "no reading lies between two samples of the reference", "",
+                    "stamp both files with one clock, or hold the last values with --hold");
       return false;
     }
     const double time = first->time;
@@ -238,12 +235,10 @@ void LogTable::refuse_incomplete_rows() const {
     for (std::size_t i = 0; i < file.signals.size(); ++i)
       if (std::isnan(columns_[file.columns[i]].value))
         silent += (silent.empty() ? "'" : ", '") + file.samples->signals()[file.signals[i]].text + "'";
-  throw Error({{file_, 0, 0},
-               "",
-               "no row in which every signal has a value",
-               silent.empty() ? "" : "none of " + silent,
-               silent.empty() ? "'missing: hold' holds the last values"
-                              : "leave out the signals that were not recorded"});
+  throw Error({file_, 0, 0}, "", "no row in which every signal has a value",
+              silent.empty() ? "" : "none of " + silent,
+              silent.empty() ? "'missing: hold' holds the last values"
+                             : "leave out the signals that were not recorded");
 }
 
 Place LogTable::last_line() const { return {files_[0].samples->file(), files_[0].samples->line(), 1}; }

@@ -1,13 +1,18 @@
 #include "input/object_reader.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
+#include <string_view>
+#include <utility>
 
-#include "core/physical_range.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/unknown_key.hpp"
+#include "input/spec_format.hpp"
+#include "qerr/core/parameter.hpp"
+#include "qerr/encoder/encoder.hpp"
+#include "qerr/filter/family.hpp"
 
 namespace qerr {
 
@@ -67,8 +72,8 @@ double in_dimension(const Field& f, const Quantity& q, const Parameter& p, Dimen
   if (!q.dimension || *q.dimension == expected) return q.value;
   if (p.angular && *q.dimension == dimension::angular_speed) return q.value / (2 * std::numbers::pi);
   const std::string or_angular = p.angular ? ", or an angular frequency in rad/s" : "";
-  throw Error(f.fault("has the wrong kind of unit: this is " + name_of(*q.dimension),
-                      unit_remedy(expected) + or_angular));
+  f.refuse("has the wrong kind of unit: this is " + name_of(*q.dimension),
+           unit_remedy(expected) + or_angular);
 }
 
 /// "give a value of at least 1", "give a value above 0 and below 500 Hz", ...
@@ -110,24 +115,23 @@ void drop_explained(std::vector<Fault>& missing, const std::vector<Fault>& unkno
 
 double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
   const Dimension expected = p.coordinate ? coordinate : p.dimension;
-  if (f.node->type != Node::Type::scalar) throw Error(f.fault("must be a number", unit_remedy(expected)));
+  if (f.node->type != Node::Type::scalar) f.refuse("must be a number", unit_remedy(expected));
   std::string why;
   const auto quantity = parse_quantity(f.node->text, why);
   if (!quantity) {
     const NumberAdvice advice = advice_on_number(f.node->text, why);
-    throw Error(f.fault(advice.rule, advice.remedy.empty() ? unit_remedy(expected) : advice.remedy));
+    f.refuse(advice.rule, advice.remedy.empty() ? unit_remedy(expected) : advice.remedy);
   }
   if (f.node->quoted && !quantity->dimension)
-    throw Error(f.fault("must be a number, not text", "remove the quotation marks"));
+    f.refuse("must be a number, not text", "remove the quotation marks");
   const double value = in_dimension(f, *quantity, p, expected);
-  if (!in_range(p, value)) throw Error(f.fault("is out of range", range_remedy(p, expected)));
+  if (!in_range(p, value)) f.refuse("is out of range", range_remedy(p, expected));
   if (p.nonzero && value == 0)
-    throw Error(f.fault("must not be zero", "give " + std::string(p.meaning.substr(0, p.meaning.find(';')))));
+    f.refuse("must not be zero", "give " + std::string(p.meaning.substr(0, p.meaning.find(';'))));
   const Parameter possible = with_physical_range(p, coordinate);
-  if (!in_range(possible, value))
-    throw Error(f.fault("is beyond any machine", range_remedy(possible, expected)));
+  if (!in_range(possible, value)) f.refuse("is beyond any machine", range_remedy(possible, expected));
   if (p.kind == Kind::integer && value != std::floor(value))
-    throw Error(f.fault("must be an integer", range_remedy(p, expected)));
+    f.refuse("must be an integer", range_remedy(p, expected));
   return value;
 }
 
@@ -159,7 +163,7 @@ std::string read_choice(const Field& f, const Parameter& p) {
   const std::string remedy = near.starts_with("did") ? near : "give " + one_of(known);
   if (f.node->type != Node::Type::scalar ||
       std::find(known.begin(), known.end(), f.node->text) == known.end())
-    throw Error(f.fault("is not one of the choices", remedy));
+    f.refuse("is not one of the choices", remedy);
   return f.node->text;
 }
 
@@ -168,21 +172,31 @@ bool read_boolean(const Field& f) {
     if (f.node->text == "true") return true;
     if (f.node->text == "false") return false;
   }
-  throw Error(f.fault("must be true or false", "true or false"));
+  f.refuse("must be true or false", "true or false");
 }
 
 std::string read_text_value(const Field& f) {
   if (f.node->type != Node::Type::scalar || f.node->text.empty())
-    throw Error(f.fault("must be text", "give one name or path"));
+    f.refuse("must be text", "give one name or path");
   if (!f.node->quoted && (f.node->text == "~" || f.node->text == "null"))
-    throw Error(f.fault("must be text", "quote it if this is the name"));
+    f.refuse("must be text", "quote it if this is the name");
   return f.node->text;
+}
+
+std::size_t read_name(const Field& map, std::string_view key, const std::vector<std::string>& names,
+                      const char* unknown) {
+  const Node* const name = map.node->type == Node::Type::mapping ? map.node->find(key) : nullptr;
+  if (!name) map.refuse_missing(key, "add '" + std::string(key) + ": ...' (" + did_you_mean("", names) + ")");
+  const Field field{name, map.path_of(key)};
+  const auto found = std::find(names.begin(), names.end(), read_text_value(field));
+  if (found == names.end()) field.refuse(unknown, did_you_mean(name->text, names));
+  return static_cast<std::size_t>(found - names.begin());
 }
 
 std::vector<Field> read_list(const Field& f, const std::string& example) {
   if (f.node->type == Node::Type::null)
-    throw Error(f.fault("must be a list", "write " + example + ", or leave the key out"));
-  if (f.node->type != Node::Type::sequence) throw Error(f.fault("must be a list", "write " + example));
+    f.refuse("must be a list", "write " + example + ", or leave the key out");
+  if (f.node->type != Node::Type::sequence) f.refuse("must be a list", "write " + example);
   std::vector<Field> items;
   for (std::size_t i = 0; i < f.node->items.size(); ++i)
     items.push_back({&f.node->items[i], f.path + '[' + std::to_string(i) + ']'});
@@ -191,12 +205,11 @@ std::vector<Field> read_list(const Field& f, const std::string& example) {
 
 std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
   if (f.node->type == Node::Type::null)
-    throw Error(
-        f.fault("must be a mapping", "indent its entries by two spaces below it, or leave the key out"));
+    f.refuse("must be a mapping", "indent its entries by two spaces below it, or leave the key out");
   if (f.node->type == Node::Type::scalar)
     if (const std::string corrected = with_space_after_colon(f.node->text); !corrected.empty())
-      throw Error(f.fault("a colon after a key must be followed by a space", "write " + quoted(corrected)));
-  if (f.node->type != Node::Type::mapping) throw Error(f.fault("must be a mapping", "write 'name: value'"));
+      f.refuse("a colon after a key must be followed by a space", "write " + quoted(corrected));
+  if (f.node->type != Node::Type::mapping) f.refuse("must be a mapping", "write 'name: value'");
   std::vector<std::pair<Node::Key, Field>> entries;
   for (const auto& [key, value] : f.node->entries)
     entries.emplace_back(key, Field{&value, f.path_of(key.name)});
@@ -214,7 +227,7 @@ void require_mapping(const Field& f, const std::vector<Parameter>& format) {
   if (f.node->type == Node::Type::null || keys.empty() ||
       (f.node->type == Node::Type::scalar && !with_space_after_colon(f.node->text).empty()))
     read_map(f);
-  throw Error(f.fault("must be a mapping", "write {" + keys + "}"));
+  f.refuse("must be a mapping", "write {" + keys + "}");
 }
 
 }  // namespace
@@ -272,6 +285,121 @@ std::map<std::string, std::string> Object::choices(const std::vector<Parameter>&
   for (const Parameter& p : rows)
     if (p.kind == Kind::choice) values[std::string(p.name)] = choice(p.name);
   return values;
+}
+
+bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
+  return std::any_of(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == key; });
+}
+
+namespace {
+
+/// Where a key belongs that stands in the wrong mapping; "" if no section has it, or several have.
+std::string home_of(std::string_view key) {
+  using namespace spec_format;
+  std::string found;
+  int homes = 0;
+  const auto count = [&](const std::vector<Parameter>& rows, const char* home) {
+    if (has_row(rows, key) && found != home) found = home, ++homes;
+  };
+  count(top(), "at the left margin, beside robot and encoders");
+  count(robot(), "in robot: {...}");
+  count(configurations(), "in configurations: {...}");
+  count(threshold(), "in threshold: {...}");
+  count(motion(), "in motion: {...}");
+  count(requirement(), "in an entry of requirements: [...]");
+  count(joint_motion(), "in a joint of motion: {joints: {...}}");
+  count(filter(), "in an entry of filters: {...}");
+  count(sine(), "in an entry of sines: [...]");
+  count(effect(), "in an entry of effects: [...]");
+  count(sweep(), "in an entry of sweep: [...]");
+  count(lowpass(), "in the filter's lowpass: {...}");
+  for (const FilterFamily& family : filter_families())
+    count(family.parameters, "in the filter's lowpass: {...}");
+  for (const EncoderKind& kind : encoder_kinds())
+    count(encoder_parameters(kind), "in an entry of encoders: {...}");
+  return homes == 1 ? found : "";
+}
+
+/// `{at_most: 0,02 deg}` has the entries `at_most: 0` and `02 deg`.
+std::optional<Fault> after_decimal_comma(const Field& map, const Node::Entry& entry) {
+  const auto& entries = map.node->entries;
+  const std::string& rest = entry.key.name;
+  if (entry.value.type != Node::Type::null || rest.empty() || rest[0] < '0' || rest[0] > '9')
+    return std::nullopt;
+  for (std::size_t i = 1; i < entries.size(); ++i)
+    if (&entries[i] == &entry && entries[i - 1].value.type == Node::Type::scalar) {
+      const std::string text = entries[i - 1].value.text + ',' + rest;
+      const NumberAdvice advice = advice_on_number(text, "");
+      if (advice.remedy.empty()) return std::nullopt;
+      return Fault{entries[i - 1].value.place, map.path_of(entries[i - 1].key.name), advice.rule,
+                   quoted(text), advice.remedy};
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entry) {
+  const Node::Entry* section = nullptr;
+  for (const Node::Entry& other : map.entries) {
+    if (&other == &entry) return section;
+    const bool empty = other.value.type == Node::Type::null;
+    if (empty || has_row(spec_format::top(), other.key.name)) section = empty ? &other : nullptr;
+  }
+  return nullptr;
+}
+
+std::string with_space_after_colon(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 >= text.size() || text[colon + 1] == ' ')
+    return "";
+  const std::string key = text.substr(0, colon);
+  const bool plain = std::all_of(key.begin(), key.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) ||
+           std::string_view("_*?[]-").find(c) != std::string_view::npos;
+  });
+  const bool path = text[colon + 1] == '/' || text[colon + 1] == '\\' || text[colon + 1] == ':';
+  return plain && !path ? key + ": " + text.substr(colon + 1) : "";
+}
+
+namespace {
+
+Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known) {
+  const std::string& name = entry.key.name;
+  const std::string path = map.path_of(name);
+  if (const std::string corrected = with_space_after_colon(name);
+      !corrected.empty() && entry.value.type == Node::Type::null)
+    return {entry.key.place, path, "a colon after a key must be followed by a space", quoted(name),
+            "write " + quoted(corrected)};
+  if (name.starts_with("//") || name.starts_with(';') || name.starts_with("--"))
+    return {entry.key.place, path, "unknown key", quoted(name), "a comment begins with #"};
+  if (const std::size_t equals = name.find('='); equals != std::string::npos && equals > 0)
+    return {entry.key.place, path, "a key is followed by a colon, not by =", quoted(name),
+            "write 'key: value'"};
+  if (auto fault = after_decimal_comma(map, entry)) return *fault;
+  if (const Node::Entry* section = empty_section_before(*map.node, entry))
+    return {entry.key.place, path, "unknown key beside '" + section->key.name + "', which is empty",
+            quoted(name), "indent by two spaces what belongs into " + section->key.name};
+  // `order` of `polynomial_order`.
+  const auto part = std::find_if(known.begin(), known.end(),
+                                 [&](const std::string& key) { return key.ends_with('_' + name); });
+  if (part != known.end())
+    return {entry.key.place, path, "unknown key", quoted(name), "did you mean " + quoted(*part) + "?"};
+  std::string remedy = did_you_mean(name, known);
+  if (const std::string home = remedy.starts_with("did") ? "" : home_of(name);
+      !home.empty() && !(path.ends_with(".lowpass." + name) && home.find("lowpass") != std::string::npos))
+    remedy = quoted(name) + " belongs " + home;
+  return {entry.key.place, path, "unknown key", quoted(name), remedy};
+}
+
+}  // namespace
+
+void add_unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known,
+                     std::vector<Fault>& faults) {
+  constexpr std::size_t most = 20;
+  faults.push_back(faults.size() < most
+                       ? unknown_key(map, entry, known)
+                       : Fault{entry.key.place, map.path_of(entry.key.name), "unknown key", "", ""});
 }
 
 }  // namespace qerr

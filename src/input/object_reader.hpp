@@ -53,6 +53,15 @@ struct Field {
     return {node->place, path, std::move(rule), described(*node), std::move(remedy)};
   }
 
+  /// @throws Error (input) with that fault
+  [[noreturn]] void refuse(std::string rule, std::string remedy) const {
+    throw Error(fault(std::move(rule), std::move(remedy)));
+  }
+
+  [[noreturn]] void refuse_missing(std::string_view key, std::string remedy) const {
+    throw Error(node->place, path_of(key), "missing key", "", std::move(remedy));
+  }
+
   /// Of a key of this mapping, also of the whole spec, whose path is empty.
   std::string path_of(std::string_view key) const {
     return path.empty() ? std::string(key) : path + '.' + std::string(key);
@@ -73,6 +82,21 @@ std::string read_text_value(const Field&);
 /// @param example  of such a list, for the message about another value
 std::vector<Field> read_list(const Field&, const std::string& example = "[a, b, ...]");
 std::vector<std::pair<Node::Key, Field>> read_map(const Field&);
+
+/// Which of the names a mapping has at a key.
+/// @param unknown  the rule that any other name breaks
+std::size_t read_name(const Field& map, std::string_view key, const std::vector<std::string>& names,
+                      const char* unknown);
+/// The row of a list such as filter_families() that a mapping names at a key.
+template <class Row>
+const Row& read_member(const Field& map, std::string_view key, const std::vector<Row>& rows,
+                       const char* unknown) {
+  std::vector<std::string> names;
+  for (const Row& row : rows) names.emplace_back(row.name);
+  return rows[read_name(map, key, names, unknown)];
+}
+
+bool has_row(const std::vector<Parameter>&, std::string_view key);
 
 /// Warns of numbers without a unit that are larger than usual (`Parameter::usual`).
 void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>&, Dimension coordinate,
@@ -103,5 +127,17 @@ class Object {
   Field field_;
   std::vector<Parameter> format_;
 };
+
+/// Adds the fault of a key that a mapping does not have, with the habit behind it: a misspelling, a key of
+/// another section, a missing space after the colon, a decimal comma, or entries that are not indented below
+/// their section. Messages show twenty faults: what further keys may mean is not looked for.
+void add_unknown_key(const Field& map, const Node::Entry&, const std::vector<std::string>& known,
+                     std::vector<Fault>& faults);
+
+/// `bits: 17` of a text `bits:17`; "" for any other text.
+std::string with_space_after_colon(const std::string& text);
+
+/// Whether an empty section precedes the entry, so that the entry was probably meant to be in it.
+const Node::Entry* empty_section_before(const Node& map, const Node::Entry&);
 
 }  // namespace qerr

@@ -10,7 +10,7 @@
 #include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 
@@ -77,7 +77,7 @@ class Override {
 
   [[noreturn]] void refuse(const std::string& rule, const std::string& found,
                            const std::string& remedy) const {
-    throw Error({place_, path_, rule, found, remedy});
+    throw Error(place_, path_, rule, found, remedy);
   }
 
  private:
@@ -177,8 +177,8 @@ Node value_of(const std::string& text, const std::string& path, const Place& pla
     return value;
   } catch (const Error& e) {
     Fault fault = e.faults().front();
-    throw Error(
-        {place, path, fault.rule, fault.found.empty() ? qerr::quoted(text) : fault.found, fault.remedy});
+    throw Error(place, path, fault.rule, fault.found.empty() ? qerr::quoted(text) : fault.found,
+                fault.remedy);
   }
 }
 
@@ -523,11 +523,11 @@ std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>
 SpecChange spec_change(const std::string& path, const std::string& text, const std::string& origin) {
   const Place place{origin, 0, 0};
   if (path.find_first_not_of(' ') == std::string::npos)
-    throw Error({place, path, "a key is missing", "", "such as filters.velocity.lowpass.cutoff"});
+    throw Error(place, path, "a key is missing", "", "such as filters.velocity.lowpass.cutoff");
   const std::size_t first = path.find_first_not_of(' '), last = path.find_last_not_of(' ');
   const std::string trimmed = path.substr(first, last + 1 - first);
   if (trimmed.ends_with('.'))
-    throw Error({place, path, "the path ends with a point", "'" + trimmed + "'", "name the key after it"});
+    throw Error(place, path, "the path ends with a point", "'" + trimmed + "'", "name the key after it");
   return {trimmed, value_of(text, trimmed, place)};
 }
 

@@ -22,21 +22,21 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   const std::string example = joint.prismatic() ? "[0, 300 mm]" : "[-90 deg, 90 deg]";
   const std::vector<Field> ends = read_list(f, "[lower, upper], such as " + example);
   if (ends.size() != 2)
-    throw Error(f.fault("limits must be two numbers",
-                        ends.size() == 4 ? "write " + example + ", with a decimal point in a number"
-                                         : "write [lower, upper], such as " + example));
+    f.refuse("limits must be two numbers", ends.size() == 4
+                                               ? "write " + example + ", with a decimal point in a number"
+                                               : "write [lower, upper], such as " + example);
   const Parameter row{.name = "limits", .coordinate = true};
   const Limits limits{read_number(ends[0], row, coordinate_dimension(joint)),
                       read_number(ends[1], row, coordinate_dimension(joint))};
   if (limits.lower > limits.upper)
-    throw Error({f.node->place, f.path, "the lower limit is above the upper one", text_of(limits, joint),
-                 "swap them"});
+    throw Error(f.node->place, f.path, "the lower limit is above the upper one", text_of(limits, joint),
+                "swap them");
   // An empty range is what exporters write for limits that nobody entered.
   const bool narrows = joint.limits && joint.limits->lower < joint.limits->upper;
   if (narrows && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
-    throw Error({f.node->place, f.path, "the limits exceed those of the URDF", text_of(limits, joint),
-                 "stay within " + text_of(*joint.limits, joint) +
-                     (joint.prismatic() ? "" : "; degrees need their unit, such as " + example)});
+    throw Error(f.node->place, f.path, "the limits exceed those of the URDF", text_of(limits, joint),
+                "stay within " + text_of(*joint.limits, joint) +
+                    (joint.prismatic() ? "" : "; degrees need their unit, such as " + example));
   return limits;
 }
 
@@ -139,25 +139,21 @@ void check_point(double value, std::size_t joint, const Spec& spec, const Field*
                  const std::string& path) {
   const IndependentJoint& j = spec.model.chain.independent[joint];
   if (inside(value, spec.configurations.ranges[joint])) return;
-  throw Error(
-      {field ? field->node->place : place, path,
-       "joint '" + j.name + "' is outside its limits " + text_of(spec.configurations.ranges[joint], j),
-       field ? described(*field->node) : shortest(value),
-       "give a value within them; degrees need their unit: '90 deg'"});
+  throw Error(field ? field->node->place : place, path,
+              "joint '" + j.name + "' is outside its limits " + text_of(spec.configurations.ranges[joint], j),
+              field ? described(*field->node) : shortest(value),
+              "give a value within them; degrees need their unit: '90 deg'");
 }
 
 void read_points(const Object& o, Spec& spec) {
-  if (!o.has("points"))
-    throw Error(
-        {o.self().node->place, o.self().path + ".points", "missing key", "", "add 'points: [[...], ...]'"});
+  if (!o.has("points")) o.self().refuse_missing("points", "add 'points: [[...], ...]'");
   const auto n = spec.model.chain.independent.size();
   const Field points = o.at("points");
   for (const Field& point : read_list(points, "[[0, 0.1], [0.2, 0.3]]")) {
     const std::vector<Field> values = read_list(point);
     if (values.size() != n)
-      throw Error(
-          point.fault("a point must have one value per joint: " + std::to_string(n),
-                      "give them in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7)));
+      point.refuse("a point must have one value per joint: " + std::to_string(n),
+                   "give them in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7));
     Eigen::VectorXd q(n);
     for (std::size_t j = 0; j < n; ++j) {
       q[static_cast<Eigen::Index>(j)] = read_number(values[j], {.name = "points", .coordinate = true},
@@ -166,14 +162,12 @@ void read_points(const Object& o, Spec& spec) {
     }
     spec.configurations.points.push_back(q);
   }
-  if (spec.configurations.points.empty())
-    throw Error(points.fault("the list is empty", "give at least one point"));
+  if (spec.configurations.points.empty()) points.refuse("the list is empty", "give at least one point");
 }
 
 void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
   const auto name = o.text("file");
-  if (!name)
-    throw Error({o.self().node->place, o.self().path + ".file", "missing key", "", "add 'file: points.csv'"});
+  if (!name) o.self().refuse_missing("file", "add 'file: points.csv'");
   spec.points_file = (std::filesystem::path(folder) / *name).string();
   JointTable table;
   read_named_file(o.at("file"), spec.points_file, [&](const std::string& path) {
@@ -192,8 +186,7 @@ void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
 void refuse_for(const Object& o, const std::string& method, const std::vector<std::string_view>& keys) {
   for (const std::string_view key : keys)
     if (o.has(key))
-      throw Error(
-          o.at(key).fault("cannot be combined with method: " + method, "leave it out, or change the method"));
+      o.at(key).refuse("cannot be combined with method: " + method, "leave it out, or change the method");
 }
 
 }  // namespace
@@ -218,8 +211,8 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
   }
   for (const auto& [key, needed] : {std::pair{"points", "list"}, {"file", "file"}})
     if (o.has(key) && !o.has("method"))
-      throw Error(o.at(key).fault(std::string("needs 'method: ") + needed + "' beside it",
-                                  std::string("add 'method: ") + needed + "'"));
+      o.at(key).refuse(std::string("needs 'method: ") + needed + "' beside it",
+                       std::string("add 'method: ") + needed + "'");
   refuse_for(o, method, {"points", "file"});
   c.method = method == "sobol"    ? SamplingMethod::sobol
              : method == "random" ? SamplingMethod::random
@@ -231,9 +224,9 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
   }
   c.count = static_cast<std::uint64_t>(o.number("count").value_or(method == "grid" ? 10 : 10000));
   if (static_cast<double>(size(c)) > most_grid_points)
-    throw Error({o.self().node->place, "configurations.count", "the grid has too many points",
-                 std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
-                 "use fewer per joint, or method: sobol"});
+    throw Error(o.self().node->place, "configurations.count", "the grid has too many points",
+                std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
+                "use fewer per joint, or method: sobol");
 }
 
 }  // namespace qerr

@@ -38,16 +38,15 @@ const NamedFilter& velocity_of(const Object& o, const Spec& spec, std::string_vi
   for (const NamedFilter& f : spec.filters)
     if (f.filter.derivative == 1) known.push_back(f.name);
   if (!o.has("velocity"))
-    throw Error(o.at(beside).fault("needs the filter that estimates the velocity",
-                                   "add 'velocity: ...' (" + did_you_mean("", known) + ")"));
+    o.at(beside).refuse("needs the filter that estimates the velocity",
+                        "add 'velocity: ...' (" + did_you_mean("", known) + ")");
   const std::string name = *o.text("velocity");
   const auto named = std::find_if(spec.filters.begin(), spec.filters.end(),
                                   [&](const NamedFilter& n) { return n.name == name; });
   if (named == spec.filters.end() || named->filter.derivative != 1)
-    throw Error(
-        o.at("velocity")
-            .fault(named == spec.filters.end() ? "no such filter" : "must be a filter with derivative 1",
-                   did_you_mean(name, known)));
+    o.at("velocity")
+        .refuse(named == spec.filters.end() ? "no such filter" : "must be a filter with derivative 1",
+                did_you_mean(name, known));
   return *named;
 }
 
@@ -63,7 +62,7 @@ JointController read_controller(const Field& f, const IndependentJoint& joint, c
     c.velocity = velocity.name;
     c.velocity_filter = velocity.filter;
   } else if (o.has("velocity") && !o.has("kd")) {
-    throw Error(o.at("velocity").fault("is used with kd only", "add 'kd: ...', or remove velocity"));
+    o.at("velocity").refuse("is used with kd only", "add 'kd: ...', or remove velocity");
   }
   c.inertia = read_gain(o, "inertia", at_joint(joint, {1, 0, 2, 1}, {-1, 0, 2, 1}), true);
   c.damping = read_gain(o, "damping", damping);
@@ -74,7 +73,7 @@ JointController read_controller(const Field& f, const IndependentJoint& joint, c
 /// Three numbers along x, y and z.
 Eigen::Vector3d read_axes(const Field& f, const Dimension& d, const std::string& example) {
   const std::vector<Field> items = read_list(f, example);
-  if (items.size() != 3) throw Error(f.fault("must be three numbers, along x, y and z", "write " + example));
+  if (items.size() != 3) f.refuse("must be three numbers, along x, y and z", "write " + example);
   Eigen::Vector3d axes;
   for (Eigen::Index i = 0; i < 3; ++i)
     axes[i] = read_number(items[static_cast<std::size_t>(i)], {.name = "axis", .dimension = d});
@@ -89,11 +88,10 @@ TipImpedance read_impedance(const Field& f, const Spec& spec) {
     t.damping = read_axes(o.at("damping"), {-1, 0, 1, 1}, "[20 N s/m, 20 N s/m, 20 N s/m]");
   for (const auto& [key, axes] : {std::pair{"stiffness", &t.stiffness}, std::pair{"damping", &t.damping}})
     if (o.has(key) && !(axes->minCoeff() >= 0 && axes->maxCoeff() > 0))
-      throw Error(o.at(key).fault("must be at least 0, and one of them above", "give positive numbers"));
+      o.at(key).refuse("must be at least 0, and one of them above", "give positive numbers");
   if (t.damping.isZero(0)) {
     if (o.has("velocity"))
-      throw Error(
-          o.at("velocity").fault("is used with damping only", "add 'damping: ...', or remove velocity"));
+      o.at("velocity").refuse("is used with damping only", "add 'damping: ...', or remove velocity");
     return t;
   }
   const NamedFilter& velocity = velocity_of(o, spec, "damping");
@@ -110,14 +108,13 @@ double rate_of(const Object& o, const Control& control) {
     if (velocity.empty()) return;
     if (!rate) rate = its_rate;
     if (*rate != its_rate)
-      throw Error(o.self().fault("the loops have one sample rate, and filter '" + velocity + "' has " +
-                                     shortest(its_rate) + " Hz, not " + shortest(*rate),
-                                 "give sample_rate that of the filter"));
+      o.self().refuse("the loops have one sample rate, and filter '" + velocity + "' has " +
+                          shortest(its_rate) + " Hz, not " + shortest(*rate),
+                      "give sample_rate that of the filter");
   };
   for (const JointController& c : control.joints) match(c.velocity, c.velocity_filter.sample_rate);
   if (control.tip) match(control.tip->velocity, control.tip->sample_rate);
-  if (!rate)
-    throw Error(o.self().fault("missing key 'sample_rate'", "add 'sample_rate: ...', such as 1 kHz"));
+  if (!rate) o.self().refuse("missing key 'sample_rate'", "add 'sample_rate: ...', such as 1 kHz");
   return *rate;
 }
 
@@ -129,15 +126,15 @@ void add_controllers(const Field& f, const Control& control, Spec& spec) {
     const std::string name = std::string(of_controllers) + joint.name;
     for (const NamedFilter& other : spec.filters)
       if (other.name == name || other.name + '.' == of_controllers)
-        throw Error(f.fault("filter '" + other.name + "' has the name of a controller's torque",
-                            "give the filter another name"));
+        f.refuse("filter '" + other.name + "' has the name of a controller's torque",
+                 "give the filter another name");
     Filter filter = controller_of(control.joints[j], control.sample_rate);
     filter.unit = stiffness(joint);
     try {
       spec.filters.push_back({name, filter, checked_norms(filter), {}, {j}, true});
     } catch (const Error& e) {
-      throw Error(f.fault("controller of joint '" + joint.name + "': " + e.faults().front().rule,
-                          e.faults().front().remedy));
+      f.refuse("controller of joint '" + joint.name + "': " + e.faults().front().rule,
+               e.faults().front().remedy);
     }
   }
 }
@@ -149,9 +146,8 @@ void check_inertias(const Field& f, const Control& control, const Spec& spec) {
   if (!has_masses(chain)) return;
   for (std::size_t j = 0; j < control.joints.size(); ++j)
     if (control.joints[j].acts() && !control.joints[j].inertia && !(inertia_at(chain, j, zero) > 0))
-      throw Error(
-          f.fault("joint '" + chain.independent[j].name + "' moves no mass of the URDF",
-                  "state its inertia: " + chain.independent[j].name + ": {..., inertia: 0.1 kg m^2}"));
+      f.refuse("joint '" + chain.independent[j].name + "' moves no mass of the URDF",
+               "state its inertia: " + chain.independent[j].name + ": {..., inertia: 0.1 kg m^2}");
 }
 
 void read_controllers(const Field& f, const RobotModel& robot, Spec& spec, Control& control) {
@@ -176,24 +172,23 @@ void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
   Control control;
   control.joints.resize(chain.independent.size());
   if (!o.has("joints") && !o.has("tip"))
-    throw Error(o.self().fault("has no controller",
-                               "add joints: {'*': {kp: 400 N m/rad, kd: 5 N m s/rad, velocity: ...}}"));
+    o.self().refuse("has no controller",
+                    "add joints: {'*': {kp: 400 N m/rad, kd: 5 N m s/rad, velocity: ...}}");
   if (o.has("joints")) read_controllers(o.at("joints"), robot, spec, control);
   const auto acts = [](const JointController& c) { return c.acts(); };
   if (o.has("tip")) {
     if (spec.model.tips)
-      throw Error(o.at("tip").fault("is an impedance of one tip, and the robot has several",
-                                    "give the spec one 'robot.tip'"));
+      o.at("tip").refuse("is an impedance of one tip, and the robot has several",
+                         "give the spec one 'robot.tip'");
     if (std::any_of(control.joints.begin(), control.joints.end(), acts))
-      throw Error(o.at("tip").fault("torques have one controller, at the joints or at the tip",
-                                    "leave out kp and kd of the joints, or the tip"));
+      o.at("tip").refuse("torques have one controller, at the joints or at the tip",
+                         "leave out kp and kd of the joints, or the tip");
     control.tip = read_impedance(o.at("tip"), spec);
   }
   control.sample_rate = rate_of(o, control);
   control.delay = o.number("delay").value_or(1 / control.sample_rate);
   if (!(control.delay * control.sample_rate <= longest_delay))
-    throw Error(o.at("delay").fault("is longer than 64 samples",
-                                    "give the time from reading to torque, such as 1 ms"));
+    o.at("delay").refuse("is longer than 64 samples", "give the time from reading to torque, such as 1 ms");
   check_inertias(f, control, spec);
   add_controllers(f, control, spec);
   spec.model.control = std::make_shared<const Control>(with_stated_loops(std::move(control)));
@@ -223,18 +218,16 @@ void update_controllers(const Control& control, std::vector<NamedFilter>& filter
 
 void read_walls(const Field& f, Spec& spec, Faults& faults) {
   if (!spec.model.control)
-    throw Error(f.fault("walls need the rate, damping and friction of `control`",
-                        "add control: {sample_rate: 1 kHz, joints: {'*': {damping: ..., friction: ...}}}"));
+    f.refuse("walls need the rate, damping and friction of `control`",
+             "add control: {sample_rate: 1 kHz, joints: {'*': {damping: ..., friction: ...}}}");
   if (spec.model.tips)
-    throw Error(
-        f.fault("a wall is felt by one tip, and the robot has several", "give the spec one 'robot.tip'"));
+    f.refuse("a wall is felt by one tip, and the robot has several", "give the spec one 'robot.tip'");
   Control control = *spec.model.control;
   for (const auto& [key, field] : read_map(f))
     faults.guard([&, &key = key, &field = field] {
       const Object o(field, spec_format::wall());
       const Eigen::Vector3d normal = read_axes(o.at("normal"), dimension::none, "[0, 0, 1]");
-      if (!(normal.norm() > 0))
-        throw Error(o.at("normal").fault("must not be zero", "write normal: [0, 0, 1]"));
+      if (!(normal.norm() > 0)) o.at("normal").refuse("must not be zero", "write normal: [0, 0, 1]");
       control.walls.push_back({key.name, normal.normalized()});
     });
   spec.model.control = std::make_shared<const Control>(std::move(control));

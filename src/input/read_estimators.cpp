@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
@@ -12,21 +13,14 @@ namespace qerr {
 namespace {
 
 const EstimatorKind& kind_of(const Field& f) {
-  std::vector<std::string> known;
-  for (const EstimatorKind& kind : estimator_kinds()) known.emplace_back(kind.name);
+  constexpr const char* unknown = "no such estimator";
   const Node* name = f.node->type == Node::Type::mapping ? f.node->find("kind") : nullptr;
-  if (!name)
-    throw Error({f.node->place, f.path_of("kind"), "missing key", "",
-                 "add 'kind: ...' (" + did_you_mean("", known) + ")"});
-  const Field field{name, f.path_of("kind")};
-  const std::string text = read_text_value(field);
-  if (std::find(known.begin(), known.end(), text) != known.end()) return estimator_kind(text);
-  const bool family = std::any_of(filter_families().begin(), filter_families().end(),
-                                  [&](const FilterFamily& filter) { return filter.name == text; });
-  throw Error(field.fault("no such estimator", family ? "write it in filters: {" + text +
-                                                            ": {derivative: 1, lowpass: {family: " + text +
-                                                            "}}}: it is a linear filter"
-                                                      : did_you_mean(text, known)));
+  for (const FilterFamily& family : filter_families())
+    if (name && family.name == name->text)
+      Field{name, f.path_of("kind")}.refuse(unknown, "write it in filters: {" + name->text +
+                                                         ": {derivative: 1, lowpass: {family: " + name->text +
+                                                         "}}}: it is a linear filter");
+  return read_member(f, "kind", estimator_kinds(), unknown);
 }
 
 }  // namespace
@@ -39,8 +33,8 @@ void read_estimators(const Field& f, const RobotModel& robot, Spec& spec, Faults
       const EstimatorKind& kind = kind_of(entry);
       if (std::any_of(spec.filters.begin(), spec.filters.end(),
                       [&](const NamedFilter& other) { return other.name == name.name; }))
-        throw Error({name.place, entry.path, "a filter has the same name", quoted(name.name),
-                     "choose another name: reports have both in one table"});
+        throw Error(name.place, entry.path, "a filter has the same name", quoted(name.name),
+                    "choose another name: reports have both in one table");
       std::vector<Parameter> format = spec_format::estimator();
       format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
       const Object o(entry, format);

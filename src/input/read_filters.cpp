@@ -13,20 +13,6 @@ namespace qerr {
 
 namespace {
 
-const FilterFamily& family_of(const Field& f) {
-  std::vector<std::string> known;
-  for (const FilterFamily& family : filter_families()) known.emplace_back(family.name);
-  const Node* name = f.node->type == Node::Type::mapping ? f.node->find("family") : nullptr;
-  if (!name)
-    throw Error({f.node->place, f.path + ".family", "missing key", "",
-                 "add 'family: ...' (" + did_you_mean("", known) + ")"});
-  const Field field{name, f.path + ".family"};
-  const std::string text = read_text_value(field);
-  for (const FilterFamily& family : filter_families())
-    if (family.name == text) return family;
-  throw Error(field.fault("no such filter family", did_you_mean(text, known)));
-}
-
 /// One number or a list of numbers.
 std::vector<double> read_row(const Field& f, const Parameter& p) {
   if (f.node->type != Node::Type::sequence) return {read_number(f, {.name = p.name})};
@@ -73,8 +59,8 @@ Filter represented(const Object& o, const FilterRepresentation& r, const FilterD
   needed.insert(needed.end(), r.beside.begin(), r.beside.end());
   for (const Parameter& p : needed)
     if (p.required && !o.has(p.name))
-      throw Error({o.self().node->place, o.self().path_of(p.name), "missing key", "",
-                   "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
+      o.self().refuse_missing(p.name,
+                              "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")");
   std::map<std::string, Rows> values;
   read_values(o, r.beside, values);
   if (r.inside.empty())
@@ -95,13 +81,12 @@ std::optional<Dimension> gain_unit(const Object& o, bool by_coefficients) {
   if (!o.has("unit")) return std::nullopt;
   const Field f = o.at("unit");
   if (!by_coefficients)
-    throw Error(
-        f.fault("a filter that is not given by coefficients has the unit of its derivative", "remove unit"));
+    f.refuse("a filter that is not given by coefficients has the unit of its derivative", "remove unit");
   std::string why;
   const auto unit = parse_unit(*o.text("unit"), why);
   if (!unit || unit->factor != unit->divisor)
-    throw Error(f.fault(unit ? "must be an SI unit" : "must be a unit: " + why,
-                        "write unit: N m/rad, and the coefficients in it"));
+    f.refuse(unit ? "must be an SI unit" : "must be a unit: " + why,
+             "write unit: N m/rad, and the coefficients in it");
   return unit->dimension;
 }
 
@@ -115,10 +100,10 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
     if (!uses(o, r)) continue;
     const std::string_view other = o.has("lowpass") ? "lowpass" : chosen ? chosen->key.name : "";
     if (!other.empty())
-      throw Error(o.at(o.has(other) ? other : r.key.name)
-                      .fault("a filter must be given in one way, not by " + std::string(r.key.name) +
-                                 " and " + std::string(other),
-                             "keep one"));
+      o.at(o.has(other) ? other : r.key.name)
+          .refuse("a filter must be given in one way, not by " + std::string(r.key.name) + " and " +
+                      std::string(other),
+                  "keep one");
     chosen = &r;
   }
   const std::optional<Dimension> unit = gain_unit(o, chosen != nullptr);
@@ -130,15 +115,15 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
   }
   if (!o.has("lowpass")) {
     if (!o.has("derivative"))
-      throw Error({o.self().node->place, o.self().path, "the filter has no effect", described(*o.self().node),
-                   "give derivative, lowpass" + keys_of_representations()});
+      throw Error(o.self().node->place, o.self().path, "the filter has no effect", described(*o.self().node),
+                  "give derivative, lowpass" + keys_of_representations());
     return difference_filter(d.sample_rate, d.derivative);
   }
   const Field lowpass = o.at("lowpass");
   if (lowpass.node->type != Node::Type::mapping)
-    throw Error(lowpass.fault("must be a mapping",
-                              "write {family: " + std::string(filter_families().front().name) + ", ...}"));
-  const FilterFamily& family = family_of(lowpass);
+    lowpass.refuse("must be a mapping",
+                   "write {family: " + std::string(filter_families().front().name) + ", ...}");
+  const FilterFamily& family = read_member(lowpass, "family", filter_families(), "no such filter family");
   std::vector<Parameter> format = spec_format::lowpass();
   format.insert(format.end(), family.parameters.begin(), family.parameters.end());
   const Object parameters(lowpass, format);
@@ -220,15 +205,11 @@ void warn_of_name(const std::string& path, const std::string& name, const Object
 Norms checked_norms(const Filter& filter) {
   const auto out_of_range = [&](const std::string& found) {
     return Error(
-        {{},
-         "",
-         "the norms of the filter exceed the range of double precision",
-         found,
-         filter.designed ? "bring cut-off and sample rate closer together" : "scale its coefficients"});
+        "", "the norms of the filter exceed the range of double precision", found,
+        filter.designed ? "bring cut-off and sample rate closer together" : "scale its coefficients");
   };
   const auto silent = [] {
-    return Error(
-        {{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
+    return Error("", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out");
   };
   if (!filter.designed && filter.gain.hi == 0) throw silent();  // of a design it is an underflow
   Norms n;
@@ -239,11 +220,9 @@ Norms checked_norms(const Filter& filter) {
   }
   if (n.h2 == 0) throw silent();
   if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
-    throw Error({{},
-                 "",
-                 "the l1 norm of the filter cannot be bounded: its poles are too close to the unit circle",
-                 "largest pole modulus " + shortest(poles_max_modulus(filter)),
-                 "damp the filter, or lower its order"});
+    throw Error("", "the l1 norm of the filter cannot be bounded: its poles are too close to the unit circle",
+                "largest pole modulus " + shortest(poles_max_modulus(filter)),
+                "damp the filter, or lower its order");
   if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
     throw out_of_range("H2 norm " + shortest(n.h2));
   return n;
@@ -255,8 +234,8 @@ void read_filters(const Field& f, const RobotModel& robot, Spec& spec, Faults& f
     const Field& field = entry.second;
     faults.guard([&] {
       if (key.name == "position" || key.name.empty())
-        throw Error({key.place, field.path, "the name is reserved: 'position' is the unfiltered coordinate",
-                     "'" + key.name + "'", "choose another name"});
+        throw Error(key.place, field.path, "the name is reserved: 'position' is the unfiltered coordinate",
+                    "'" + key.name + "'", "choose another name");
       const Object o(field, spec_format::filter());
       warn_of_name(field.path, key.name, o, spec.warnings);
       try {

@@ -2,18 +2,66 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <numeric>
+#include <set>
 
-#include "core/physical_range.hpp"
 #include "core/statistics.hpp"
 #include "core/text.hpp"
-#include "input/count_grid.hpp"
 #include "input/log_columns.hpp"
 #include "input/log_table.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/core/parameter.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "simulate/unwrap.hpp"
 
 namespace qerr {
+
+/// The grid of counts that are not all whole: the multiples of 1/denominator, as of an interpolated encoder
+/// whose reading is written in counts before interpolation.
+class CountGrid {
+ public:
+  /// @returns false if the values so far have more fractional parts than any grid
+  bool add(double value);
+
+  /// The least denominator, up to 1024, that serves all values; 0 if there is none.
+  /// @param decimals  to which the values are rounded
+  int denominator(int decimals) const;
+
+ private:
+  std::set<std::int64_t> parts_;  // distinct fractional parts, in units of 2^-30
+  double largest_ = 0;
+};
+
+namespace {
+
+constexpr int finest_grid = 1024;  // an interpolation by more is given as periods and interpolation_bits
+constexpr double part_unit = 0x1p-30;
+
+}  // namespace
+
+bool CountGrid::add(double value) {
+  largest_ = std::max(largest_, std::abs(value));
+  parts_.insert(std::llround(std::remainder(value, 1.0) / part_unit));
+  return parts_.size() <= 4 * finest_grid;  // either sign, and neighbours by the rounding of a double
+}
+
+int CountGrid::denominator(int decimals) const {
+  const double rounding = 0.5 * std::pow(10.0, -decimals) + largest_ * 0x1p-52 + part_unit;
+  int common = 1;
+  for (const std::int64_t part : parts_) {
+    const double fraction = static_cast<double>(part) * part_unit;
+    const auto is_multiple = [&](int n) {
+      return std::abs(std::remainder(fraction * n, 1.0)) <= rounding * n;
+    };
+    if (is_multiple(common)) continue;
+    int own = 2;
+    while (own <= finest_grid && !is_multiple(own)) ++own;
+    common = std::lcm(own, common);
+    if (common > finest_grid) return 0;
+  }
+  return common;
+}
 
 namespace {
 
@@ -114,7 +162,7 @@ class LogReader::Rows {
     // Ascending: if the last row has its own number, all have.
     if (count > 0 && file_rows.back() == log.rows + static_cast<std::uint64_t>(count) - 1) file_rows.clear();
     if (count == 0 && log.rows == 0)
-      throw Error({table_.last_line(), "", "the log has no rows", "only a header", ""});
+      throw Error(table_.last_line(), "", "the log has no rows", "only a header", "");
     if (count == 0) {
       find_grids();
       for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
@@ -201,7 +249,7 @@ class LogReader::Rows {
 
   Error fault(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
     const auto i = static_cast<std::size_t>(column);
-    return Error({table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy});
+    return Error(table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy);
   }
   [[noreturn]] void refuse(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
     throw fault(column, rule, remedy);

@@ -8,7 +8,7 @@
 #include "input/joint_table.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 /// Reads the sections `motion` and `effects` of a spec.
 namespace qerr {
@@ -23,8 +23,7 @@ Dimension over_time(Dimension d, int power) {
 std::vector<Move> read_moves(const Object& o, Dimension unit) {
   for (const std::string_view key : {"sines", "velocity"})
     if (o.has(key))
-      throw Error(
-          o.at(key).fault("cannot be combined with moves", "keep the moves, or the sines and velocity"));
+      o.at(key).refuse("cannot be combined with moves", "keep the moves, or the sines and velocity");
   std::vector<Move> moves;
   for (const Field& item :
        read_list(o.at("moves"), "[{to: 30 deg, velocity: 1 rad/s, acceleration: 5 rad/s^2}]")) {
@@ -33,7 +32,7 @@ std::vector<Move> read_moves(const Object& o, Dimension unit) {
                      *move.number("acceleration", over_time(unit, 2)),
                      move.number("jerk", over_time(unit, 3)).value_or(0), *move.number("dwell")});
   }
-  if (moves.empty()) throw Error(o.at("moves").fault("the list is empty", "give at least one move"));
+  if (moves.empty()) o.at("moves").refuse("the list is empty", "give at least one move");
   return moves;
 }
 
@@ -57,24 +56,17 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint,
 }
 
 const EffectKind& effect_kind_of(const Field& f) {
-  std::vector<std::string> known;
-  for (const EffectKind& kind : effect_kinds()) known.emplace_back(kind.name);
-  if (f.node->type != Node::Type::mapping)
-    throw Error(f.fault("must be a mapping", "write {type: ..., joint: ...}"));
+  if (f.node->type != Node::Type::mapping) f.refuse("must be a mapping", "write {type: ..., joint: ...}");
   const Node* type = f.node->find("type");
-  if (!type)
-    throw Error(
-        {f.node->place, f.path + ".type", "missing key", "", "add 'type: ...'; see `qerr list effects`"});
-  const Field field{type, f.path + ".type"};
-  const std::string name = read_text_value(field);
-  for (const EffectKind& kind : effect_kinds())
-    if (kind.name == name) return kind;
-  if (const EffectKind* statement = find_effect_kind(name))
-    throw Error(field.fault(
+  if (!type) f.refuse_missing("type", "add 'type: ...'; see `qerr list effects`");
+  const EffectKind* statement = find_effect_kind(type->text);
+  const auto& kinds = effect_kinds();
+  if (statement && std::none_of(kinds.begin(), kinds.end(), [&](auto& k) { return k.name == type->text; }))
+    Field{type, f.path_of("type")}.refuse(
         "is not an effect on the signal of a joint but a cause that `qerr diagnose` may report: " +
             std::string(statement->summary),
-        std::string(statement->spec_remedy)));
-  throw Error(field.fault("no such effect", did_you_mean(name, known)));
+        std::string(statement->spec_remedy));
+  return read_member(f, "type", kinds, "no such effect");
 }
 
 /// Effects within a line need the signals of the encoder, which not every encoder has.
@@ -87,7 +79,7 @@ void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spe
   const std::string what = "the encoder of '" + effect.joint + "' counts " + shortest(counts) +
                            (counts == 1 ? " time" : " times") + " a period: ";
   if (counts < need->least || counts > need->most)
-    throw Error(o.at("type").fault(what + std::string(need->why), std::string(need->remedy)));
+    o.at("type").refuse(what + std::string(need->why), std::string(need->remedy));
   if (need->period_must_be_given && !kind.period_remedy.empty())
     spec.warnings.push_back(o.self().path + ": the signal period of the encoder of '" + effect.joint +
                             "' is not stated; four counts are assumed. To state it, " +
@@ -131,14 +123,14 @@ void read_effect(const Field& f, const NamedEffects& named, const RobotModel& ro
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);
   if (spec.model.tips && (kind.stage == Stage::kinematics || kind.need == Need::effort))
-    throw Error(o.at("type").fault("belongs to one chain, and the robot has several tips",
-                                   "give the spec one 'robot.tip', or leave the effect out"));
+    o.at("type").refuse("belongs to one chain, and the robot has several tips",
+                        "give the spec one 'robot.tip', or leave the effect out");
   for (const Parameter& row : kind.parameters)
     if (row.dimension == dimension::angle && o.has(row.name))
       warn_of_degrees(o.at(row.name), 1, spec.warnings);
   if (o.at("joint").node->type != Node::Type::scalar)
-    throw Error(o.at("joint").fault("must be one joint or a pattern of joints",
-                                    "write an entry for each joint, or a pattern such as 'joint[12]'"));
+    o.at("joint").refuse("must be one joint or a pattern of joints",
+                         "write an entry for each joint, or a pattern such as 'joint[12]'");
   EntryFaults of_joints;
   for (const std::size_t index : find_joints(robot, spec.model.chain, *o.text("joint"),
                                              o.at("joint").node->place, o.at("joint").path)) {
@@ -177,12 +169,11 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
     if (range.rows() == 0) range = extent(motion);
     const auto row = static_cast<Eigen::Index>(i);
     if (inside(range(row, 0), *joints[i].limits) && inside(range(row, 1), *joints[i].limits)) continue;
-    throw Error(
-        {places[i], "motion.joints." + joints[i].name,
-         "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
-         "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
-         "shift its center or reduce its amplitude; degrees need their unit; a joint that is not listed "
-         "stays at 0"});
+    throw Error(places[i], "motion.joints." + joints[i].name,
+                "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
+                "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
+                "shift its center or reduce its amplitude; degrees need their unit; a joint that is not "
+                "listed stays at 0");
   }
 }
 
@@ -191,23 +182,23 @@ void read_table(const Field& f, const std::string& path, Spec& spec, Motion& mot
   motion.file = path;
   motion.table = {table.time, table.positions, table.efforts, table.temperatures};
   if (table.time.size() < 2)
-    throw Error(
-        {{path, table.lines.front(), 1}, "time", "a motion must have at least two rows", "one row", ""});
+    throw Error({path, table.lines.front(), 1}, "time", "a motion must have at least two rows", "one row",
+                "");
   const double length = table.time.back() - table.time.front();
   const double step = length / static_cast<double>(table.time.size() - 1);
   // The last row is a sample as well: the motion ends one sample period after it.
   if (motion.sample_rate == 0) {
     for (std::size_t i = 1; i < table.time.size(); ++i)
       if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
-        throw Error({f.node->place, f.path + ".sample_rate",
-                     "the times of the file are not equidistant: they define no sample rate",
-                     "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
+        throw Error(f.node->place, f.path + ".sample_rate",
+                    "the times of the file are not equidistant: they define no sample rate",
+                    "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller");
     motion.sample_rate = 1 / step;
   }
   const double available = length + 1 / motion.sample_rate;
   if (motion.duration > available * (1 + 1e-9))
-    throw Error({f.node->place, f.path + ".duration", "the motion is longer than its file",
-                 shortest(motion.duration) + " s of " + shortest(length) + " s", "leave the duration out"});
+    throw Error(f.node->place, f.path + ".duration", "the motion is longer than its file",
+                shortest(motion.duration) + " s of " + shortest(length) + " s", "leave the duration out");
   if (motion.duration == 0) motion.duration = available;
 }
 
@@ -221,17 +212,16 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
   motion.duration = o.number("duration").value_or(0);
   motion.settling = o.number("settling");
   if (o.has("file") == o.has("joints"))
-    throw Error(f.fault(o.has("file") ? "the motion must be given by a file or by joints, not by both"
-                                      : "the motion has neither joints nor a file",
-                        "give one of joints and file"));
+    f.refuse(o.has("file") ? "the motion must be given by a file or by joints, not by both"
+                           : "the motion has neither joints nor a file",
+             "give one of joints and file");
   std::vector<Place> places(spec.model.chain.independent.size(), f.node->place);
   if (const auto file = o.text("file")) {
     read_named_file(o.at("file"), (std::filesystem::path(folder) / *file).string(),
                     [&](const std::string& path) { read_table(f, path, spec, motion); });
   } else {
     for (const std::string key : {"sample_rate", "duration"})
-      if (!o.has(key))
-        throw Error({f.node->place, f.path_of(key), "missing key", "", "add '" + key + ": ...'"});
+      if (!o.has(key)) f.refuse_missing(key, "add '" + key + ": ...'");
     motion.joints.resize(places.size());
     bool valid = true;
     for (const auto& entry : read_map(o.at("joints"))) {
@@ -250,12 +240,12 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
   }
   constexpr double most_samples = 1e15;
   if (!(motion.duration * motion.sample_rate <= most_samples))
-    throw Error(f.fault("the motion has too many samples",
-                        "at most " + shortest(most_samples) + ": shorten the duration or lower the rate"));
+    f.refuse("the motion has too many samples",
+             "at most " + shortest(most_samples) + ": shorten the duration or lower the rate");
   if (motion.settling.value_or(0) >= motion.duration)
-    throw Error(o.at("settling")
-                    .fault("settling must be shorter than the motion",
-                           "give less than the duration of " + shortest(motion.duration) + " s"));
+    o.at("settling")
+        .refuse("settling must be shorter than the motion",
+                "give less than the duration of " + shortest(motion.duration) + " s");
   check_limits(spec, motion, places);
   spec.motion = motion;
 }

@@ -1,9 +1,8 @@
 #include <algorithm>
 
-#include "control/figures.hpp"
+#include "control/control.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/read_limits.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
@@ -27,7 +26,7 @@ Value pick(const Field& f, const std::string& word, const std::string& what, con
   if (const Value* value = find(known, word)) return *value;
   std::vector<std::string> names;
   for (const auto& [name, value] : known) names.push_back(name);
-  throw Error(f.fault("no such " + what + " '" + word + "'", did_you_mean(word, names)));
+  f.refuse("no such " + what + " '" + word + "'", did_you_mean(word, names));
 }
 
 Words<std::ptrdiff_t> signals_of(const Spec& spec) {
@@ -45,19 +44,18 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   for (std::string& name : signal_names(spec.model)) known.push_back(std::move(name));
   const std::optional<Coordinate> coordinate = find_coordinate(word);
   if (coordinate && spec.model.tips)
-    throw Error(f.fault("which of the tips is not said", of_which_tip(spec.model, word)));
+    f.refuse("which of the tips is not said", of_which_tip(spec.model, word));
   if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
     std::string listed;
     for (const Coordinate c : spec.model.coordinates)
       listed += (listed.empty() ? "" : ", ") + std::string(info(c).name);
-    throw Error(
-        f.fault("'" + word + "' is not among the spec's coordinates",
-                "add it to 'coordinates'" + (listed.empty() ? "" : ", which are " + listed + " here")));
+    f.refuse("'" + word + "' is not among the spec's coordinates",
+             "add it to 'coordinates'" + (listed.empty() ? "" : ", which are " + listed + " here"));
   }
   if (coordinate && is_length(*coordinate)) add_length(*coordinate, spec.model);
   const std::vector<Signal> found =
       coordinate ? std::vector{signal_of(*coordinate)} : find_signals(spec.model, word);
-  if (found.size() != 1) throw Error(f.fault("no such coordinate '" + word + "'", did_you_mean(word, known)));
+  if (found.size() != 1) f.refuse("no such coordinate '" + word + "'", did_you_mean(word, known));
   if (!coordinate) add_signal(found.front(), spec.model);
   const std::vector<Signal> all = all_signals(spec.model);
   return static_cast<std::size_t>(
@@ -91,7 +89,7 @@ bool read_control_figure(const Field& f, const Spec& spec, Requirement& r) {
   if (!spec.model.control && std::none_of(names.begin(), names.end(), [&](const std::string& name) {
         return name.starts_with(first + '.');
       }))
-    throw Error(f.fault("the spec has no controllers", "add 'control: {joints: {...}}' (qerr help control)"));
+    f.refuse("the spec has no controllers", "add 'control: {joints: {...}}' (qerr help control)");
   if (!figure) return false;
   Words<Dimension> figures;
   for (const ControlFigure& figure : control_figures(*spec.model.control, spec.model.chain))
@@ -145,9 +143,9 @@ void check_passed(const Field& f, const Spec& spec, const Requirement& r) {
   std::string joints;
   for (const std::size_t j : filter.joints)
     joints += (joints.empty() ? "" : ", ") + spec.model.chain.independent[j].name;
-  throw Error(f.fault("filter '" + filter.name + "' does not filter '" + signal.name + "'",
-                      is_closed(signal) ? "ask for " + signal.name + ".sigma, the figure of the loop itself"
-                                        : "its joints are " + joints));
+  f.refuse("filter '" + filter.name + "' does not filter '" + signal.name + "'",
+           is_closed(signal) ? "ask for " + signal.name + ".sigma, the figure of the loop itself"
+                             : "its joints are " + joints);
 }
 
 /// The names of CSV: `position.x.worst_case`, `velocity.x.sigma`, `velocity.delay`; `x.worst_case` is an
@@ -168,8 +166,8 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
     return;
   }
   if (before.empty())
-    throw Error(f.fault("a quantity names a signal, a coordinate and a bound",
-                        "write position.x.worst_case, FILTER.x.sigma or FILTER.delay"));
+    f.refuse("a quantity names a signal, a coordinate and a bound",
+             "write position.x.worst_case, FILTER.x.sigma or FILTER.delay");
   const auto [signal, coordinate] = parts_of(before, signals, spec);
   if (before.starts_with("closed_") && !find(signals, signal)) {
     const std::string group = before.substr(0, before.find('.') + 1);
@@ -189,7 +187,7 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
     bounds.emplace_back(name_of(b), b);
   r.bound = pick(f, end, "bound", bounds);
   if (r.bound == Bound::sigma_in_motion && !spec.motion)
-    throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
+    f.refuse("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma");
 }
 
 /// Of a signal's unit.
@@ -209,24 +207,23 @@ Dimension dimension_of(const Requirement& r, const Spec& spec) {
 void read_statistic(const Object& o, const Spec& spec, Requirement& r) {
   if (!r.limits_error()) {
     if (o.has("statistic"))
-      throw Error(o.at("statistic")
-                      .fault("a figure of a filter, an encoder, a loop or a wall has no statistic",
-                             "leave the key out"));
+      o.at("statistic")
+          .refuse("a figure of a filter, an encoder, a loop or a wall has no statistic", "leave the key out");
     return;
   }
   if (!o.has("statistic"))
-    throw Error(o.self().fault("missing key 'statistic'",
-                               "add 'statistic: max', or another one of `qerr list statistics`"));
+    o.self().refuse("missing key 'statistic'",
+                    "add 'statistic: max', or another one of `qerr list statistics`");
   r.statistic = o.choice("statistic");
   r.proven = r.statistic == proven_statistic;
   if (r.proven && r.bound == Bound::sigma_quantization)
-    throw Error(o.at("statistic")
-                    .fault("the maximum of sigma_quantization is not proven",
-                           "require 'max' of it, or proven_max of sigma"));
+    o.at("statistic")
+        .refuse("the maximum of sigma_quantization is not proven",
+                "require 'max' of it, or proven_max of sigma");
   if (r.proven && is_closed(all_signals(spec.model)[r.signal]))
-    throw Error(o.at("statistic")
-                    .fault("the maximum of a closed loop, or of an impedance at the tip, is not proven",
-                           "require 'max' of it"));
+    o.at("statistic")
+        .refuse("the maximum of a closed loop, or of an impedance at the tip, is not proven",
+                "require 'max' of it");
   if (!r.proven) r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
 }
 
@@ -240,8 +237,8 @@ std::string unit_of(const Requirement& r, const Spec& spec) {
 
 void read_limit(const Object& o, Spec& spec, Requirement& r) {
   if (o.has("at_most") == o.has("at_least"))
-    throw Error(o.self().fault(o.has("at_most") ? "has two limits" : "has no limit",
-                               "write either 'at_most' or 'at_least'"));
+    o.self().refuse(o.has("at_most") ? "has two limits" : "has no limit",
+                    "write either 'at_most' or 'at_least'");
   r.at_least = o.has("at_least");
   const Dimension d = dimension_of(r, spec);
   r.unit = unit_of(r, spec);
@@ -267,9 +264,8 @@ std::vector<Requirement> read_limits(const std::string& option, const std::vecto
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error(
-          {{}, option, "must be QUANTITY=LIMIT", quoted(text), "as in position.xyz.worst_case='50 um'"},
-          Trouble::usage);
+      throw Error(option, "must be QUANTITY=LIMIT", quoted(text), "as in position.xyz.worst_case='50 um'",
+                  Trouble::usage);
     const Node node = mapping_node({{"quantity", scalar_node(text.substr(0, equals))},
                                     {"at_most", scalar_node(text.substr(equals + 1))},
                                     {"statistic", scalar_node("max")}});
@@ -279,9 +275,9 @@ std::vector<Requirement> read_limits(const std::string& option, const std::vecto
       r.quantity = *o.text("quantity");
       read_quantity(o.at("quantity"), spec, r);
       if (!r.limits_error())
-        throw Error(o.at("quantity")
-                        .fault("a figure of a filter or an encoder is the same at all configurations",
-                               "name a bound of a coordinate, as position.xyz.worst_case"));
+        o.at("quantity")
+            .refuse("a figure of a filter or an encoder is the same at all configurations",
+                    "name a bound of a coordinate, as position.xyz.worst_case");
       read_limit(o, spec, r);
       limits.push_back(r);
     } catch (const Error& e) {

@@ -87,4 +87,10 @@ void read_sweep(const Field&, Spec&, Faults&);
 /// @pre filters and requirements are read
 void read_design(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 
+/// Limits of the command line, `position.xyz.worst_case=50 um`: bounds of coordinates and their highest
+/// values. Lengths that the spec does not have are added to its coordinates.
+/// @param option  that the messages name
+/// @throws Error (usage)
+std::vector<Requirement> read_limits(const std::string& option, const std::vector<std::string>& texts, Spec&);
+
 }  // namespace qerr

@@ -1,12 +1,13 @@
 #include <algorithm>
 
-#include "core/sha256.hpp"
+#include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/spec_reader.hpp"
+#include "input/text_source.hpp"
+#include "qerr/input/spec.hpp"
 
 namespace qerr {
 
@@ -39,8 +40,8 @@ void check_sweep(const Node& root, const Spec& spec) {
     const SweepStep& step = axis.steps.front();
     const auto first = fault_of_variant(root, spec.file, step);
     if (!first || !fault_of_variant(root, spec.file, axis.steps.back())) continue;
-    throw Error({section->items[i].place, "sweep[" + std::to_string(i) + "]", first->key + ": " + first->rule,
-                 axis.keys.front() + " = '" + step.names.front() + "'", first->remedy});
+    throw Error(section->items[i].place, "sweep[" + std::to_string(i) + "]", first->key + ": " + first->rule,
+                axis.keys.front() + " = '" + step.names.front() + "'", first->remedy);
   }
 }
 
@@ -50,17 +51,16 @@ void refuse_xml(const std::string& text, const std::string& path) {
   if (begin == std::string::npos || text[begin] != '<') return;
   const bool urdf = text.find("<robot") != std::string::npos;
   const bool xacro = text.find("<xacro:") != std::string::npos;
-  throw Error(Fault{{path, 1, 1},
-                    "",
-                    std::string("this is ") +
-                        (xacro  ? "a xacro file"
-                         : urdf ? "a URDF"
-                                : "XML") +
-                        ", not a spec; a spec is YAML and names its URDF",
-                    quoted(text.substr(begin, std::min(text.find('\n', begin) - begin, std::size_t{40}))),
-                    xacro  ? "write a first spec: xacro " + path + " | qerr robot - --write-spec spec.yaml"
-                    : urdf ? "write a first spec: qerr robot " + path + " --write-spec spec.yaml"
-                           : "begin with 'qerr: 1'"});
+  throw Error({path, 1, 1}, "",
+              std::string("this is ") +
+                  (xacro  ? "a xacro file"
+                   : urdf ? "a URDF"
+                          : "XML") +
+                  ", not a spec; a spec is YAML and names its URDF",
+              quoted(text.substr(begin, std::min(text.find('\n', begin) - begin, std::size_t{40}))),
+              xacro  ? "write a first spec: xacro " + path + " | qerr robot - --write-spec spec.yaml"
+              : urdf ? "write a first spec: qerr robot " + path + " --write-spec spec.yaml"
+                     : "begin with 'qerr: 1'");
 }
 
 /// Whether a key of the top level stands anywhere in a text, with its colon.
@@ -91,17 +91,11 @@ void refuse_other_files(const std::string& text, const std::string& path) {
   if (begin == std::string::npos) return;
   const auto has = [&](const char* key) { return text.find(key) != std::string::npos; };
   if (text[begin] == '{' && has("\"qerr\":") && has("\"command\":"))
-    throw Error(Fault{{path, 1, 1},
-                      "",
-                      "this is a JSON report of qerr, not a spec",
-                      "",
-                      "give the spec of which it is; qerr compare takes reports"});
+    throw Error({path, 1, 1}, "", "this is a JSON report of qerr, not a spec", "",
+                "give the spec of which it is; qerr compare takes reports");
   if (has_content(text) && !names_a_section(text))
-    throw Error(Fault{{path, 1, 1},
-                      "",
-                      "this is no spec: it has none of the keys of one",
-                      "",
-                      "begin with 'qerr: 1' (qerr help spec)"});
+    throw Error({path, 1, 1}, "", "this is no spec: it has none of the keys of one", "",
+                "begin with 'qerr: 1' (qerr help spec)");
 }
 
 }  // namespace
@@ -112,7 +106,7 @@ Error unopened(const Field& f, const std::string& path, const Error& e) {
                              : written.starts_with('~') || written.starts_with('$')
                                  ? "write the path out: ~ and variables are not expanded"
                                  : "give the path relative to the spec";
-  return Error(Fault{f.node->place, f.path, e.faults().front().rule, "'" + path + "'", remedy},
+  return Error(f.node->place, f.path, e.faults().front().rule, "'" + path + "'", remedy,
                Trouble::file_system);
 }
 
@@ -140,6 +134,23 @@ Spec parse_spec(const std::string& text, const std::string& path, const SpecOver
   spec.overrides = overrides.values;
   if (overrides.seed) spec.configurations.seed = *overrides.seed;
   return spec;
+}
+
+bool is_filtered(const NamedFilter& f, const Signal& s) {
+  if (f.joints.empty()) return !is_closed(s);
+  return s.kind && s.kind->joints && std::find(f.joints.begin(), f.joints.end(), s.index) != f.joints.end();
+}
+
+std::vector<Filter> designed_filters(const Spec& spec) {
+  std::vector<Filter> filters;
+  for (const NamedFilter& f : spec.filters) filters.push_back(f.filter);
+  return filters;
+}
+
+std::vector<Norms> filter_norms(const Spec& spec) {
+  std::vector<Norms> norms;
+  for (const NamedFilter& f : spec.filters) norms.push_back(f.norms);
+  return norms;
 }
 
 }  // namespace qerr

@@ -15,16 +15,13 @@ namespace qerr {
 namespace {
 
 Quantity end_of_range(const Object& o, const std::string& key) {
-  if (!o.has(key))
-    throw Error({o.self().node->place, o.self().path_of(key), "missing key", "",
-                 "give values: [...], or from, to and count"});
+  if (!o.has(key)) o.self().refuse_missing(key, "give values: [...], or from, to and count");
   const Field f = o.at(key);
   std::string why = "must be a number";
   const auto quantity = f.node->type == Node::Type::scalar ? parse_quantity(f.node->text, why) : std::nullopt;
   if (!quantity) {
     const NumberAdvice advice = advice_on_number(f.node->text, why);
-    throw Error(f.fault(advice.rule,
-                        advice.remedy.empty() ? "a number, with a unit if the key has one" : advice.remedy));
+    f.refuse(advice.rule, advice.remedy.empty() ? "a number, with a unit if the key has one" : advice.remedy);
   }
   return *quantity;
 }
@@ -44,13 +41,12 @@ SweepStep step_of(const std::vector<std::string>& keys, const std::vector<Field>
 std::vector<SweepStep> range_steps(const Object& o, const std::string& axis) {
   const Quantity from = end_of_range(o, "from"), to = end_of_range(o, "to");
   if (from.dimension != to.dimension)
-    throw Error(o.at("to").fault("must have the same kind of unit as 'from'", "give both in the same unit"));
+    o.at("to").refuse("must have the same kind of unit as 'from'", "give both in the same unit");
   const auto count = o.number("count");
-  if (!count)
-    throw Error({o.self().node->place, o.self().path + ".count", "missing key", "", "add 'count: ...'"});
+  if (!count) o.self().refuse_missing("count", "add 'count: ...'");
   const bool log = o.choice("scale") == "log";
   if (log && !(from.value > 0 && to.value > 0))
-    throw Error(o.at("scale").fault("a logarithmic range must have positive ends", "use scale: linear"));
+    o.at("scale").refuse("a logarithmic range must have positive ends", "use scale: linear");
   const std::string unit = from.dimension ? " " + unit_name(*from.dimension) : "";
   const double last = *count - 1;
   std::vector<SweepStep> steps;
@@ -69,7 +65,7 @@ std::vector<SweepStep> range_steps(const Object& o, const std::string& axis) {
 /// The values of one key.
 std::vector<SweepStep> list_steps(const Object& o, const std::string& axis) {
   for (const char* key : {"from", "to", "count", "scale"})
-    if (o.has(key)) throw Error(o.at(key).fault("cannot be combined with 'values'", "keep one of the two"));
+    if (o.has(key)) o.at(key).refuse("cannot be combined with 'values'", "keep one of the two");
   std::vector<SweepStep> steps;
   for (const Field& value : read_list(o.at("values"), "[13, 15, 17]"))
     steps.push_back(step_of({axis}, {value}));
@@ -82,8 +78,8 @@ std::vector<SweepStep> joint_steps(const Object& o, const std::vector<std::strin
   for (const Field& row : read_list(o.at("values"), "[[1, 2], [3, 4]]")) {
     const std::vector<Field> values = read_list(row, "[1, 2], a value for each of the keys");
     if (values.size() != keys.size())
-      throw Error(row.fault("must have a value for each of the " + counted(keys.size(), "key"),
-                            "give " + counted(keys.size(), "value") + " in each list"));
+      row.refuse("must have a value for each of the " + counted(keys.size(), "key"),
+                 "give " + counted(keys.size(), "value") + " in each list");
     steps.push_back(step_of(keys, values));
   }
   return steps;
@@ -98,11 +94,10 @@ std::string path_of(const Spec& spec, const std::string& file) {
 /// The rows of a catalogue, each the whole entry of an encoder.
 std::vector<SweepStep> catalogue_steps(const Object& o, const std::string& axis, const Spec& spec) {
   for (const char* key : {"values", "from", "to", "count", "scale"})
-    if (o.has(key))
-      throw Error(o.at(key).fault("cannot be combined with 'catalogue'", "keep one of the two"));
+    if (o.has(key)) o.at(key).refuse("cannot be combined with 'catalogue'", "keep one of the two");
   constexpr std::string_view section = "encoders.";
   if (!axis.starts_with(section))
-    throw Error(o.at("key").fault("a catalogue has entries of encoders", "name a joint: encoders.JOINT"));
+    o.at("key").refuse("a catalogue has entries of encoders", "name a joint: encoders.JOINT");
   std::vector<SweepStep> steps;
   const Field file = o.at("catalogue");
   read_named_file(file, path_of(spec, *o.text("catalogue")), [&](const std::string& path) {
@@ -121,38 +116,38 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& u
   SweepAxis axis;
   if (o.has("key") == o.has("keys"))
     throw Error(
-        {o.self().node->place, o.self().path + ".key",
-         o.has("key") ? "cannot be combined with 'keys'" : "missing key", "",
-         o.has("key") ? "keep one of the two" : "add 'key: ...' (dotted path of the value that varies)"});
+        o.self().node->place, o.self().path + ".key",
+        o.has("key") ? "cannot be combined with 'keys'" : "missing key", "",
+        o.has("key") ? "keep one of the two" : "add 'key: ...' (dotted path of the value that varies)");
   if (o.has("key")) {
     axis.keys = {*o.text("key")};
   } else {
     for (const Field& key : read_list(o.at("keys"), "[encoders.a1.bits, encoders.a2.bits]"))
       axis.keys.push_back(read_text_value(key));
-    if (axis.keys.empty()) throw Error(o.at("keys").fault("the list is empty", "give at least one key"));
+    if (axis.keys.empty()) o.at("keys").refuse("the list is empty", "give at least one key");
     if (!o.has("values"))
-      throw Error({o.self().node->place, o.self().path + ".values", "missing key", "",
-                   "add values: [[...], ...], in each list a value for each of the keys"});
+      o.self().refuse_missing("values",
+                              "add values: [[...], ...], in each list a value for each of the keys");
   }
   // Each key is compared with those before it, and each axis is tried on the whole spec.
   constexpr std::size_t most_keys = 1000;
   if (used.size() + axis.keys.size() > most_keys)
-    throw Error({o.self().node->place, o.self().path, "a sweep varies at most 1000 keys", "",
-                 "vary an entry wholly: {key: encoders.elbow, values: [{bits: 12}, ...]}"});
+    throw Error(o.self().node->place, o.self().path, "a sweep varies at most 1000 keys", "",
+                "vary an entry wholly: {key: encoders.elbow, values: [{bits: 12}, ...]}");
   for (const std::string& key : axis.keys) {
     const auto same =
         std::find_if(used.begin(), used.end(), [&](const auto& u) { return set_one_value(key, u); });
     if (same != used.end())
-      throw Error(o.at(o.has("key") ? "key" : "keys")
-                      .fault("varies the same value twice: " + key + (*same == key ? "" : " and " + *same),
-                             "name each value once in the sweep"));
+      o.at(o.has("key") ? "key" : "keys")
+          .refuse("varies the same value twice: " + key + (*same == key ? "" : " and " + *same),
+                  "name each value once in the sweep");
     used.push_back(key);
   }
   axis.steps = o.has("keys")        ? joint_steps(o, axis.keys)
                : o.has("catalogue") ? catalogue_steps(o, axis.keys[0], spec)
                : o.has("values")    ? list_steps(o, axis.keys[0])
                                     : range_steps(o, axis.keys[0]);
-  if (axis.steps.empty()) throw Error(o.at("values").fault("the list is empty", "give at least one value"));
+  if (axis.steps.empty()) o.at("values").refuse("the list is empty", "give at least one value");
   return axis;
 }
 

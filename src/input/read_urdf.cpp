@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -146,18 +146,15 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
   // the two is wrong.
   if (!parsed.tree || !output.first_error.empty())
     throw Error(
-        Fault{{model.file},
-              "robot '" + model.name + "'",
-              "urdfdom rejects a robot that qerr accepts, perhaps for lack of memory: " + output.first_error,
-              "",
-              ""},
-        Trouble::internal);
+        {model.file}, "robot '" + model.name + "'",
+        "urdfdom rejects a robot that qerr accepts, perhaps for lack of memory: " + output.first_error, "",
+        "", Trouble::internal);
   for (std::size_t i = 0; i < written.size(); ++i) {
     const WrittenJoint& w = written[i];
     if (!w.in_tree) continue;
     const auto read = parsed.tree->joints_.find(numbered('j', i));
     if (read == parsed.tree->joints_.end())
-      throw Error(Fault{w.joint.place, w.element->title(), "urdfdom does not return this joint", "", ""});
+      throw Error(w.joint.place, w.element->title(), "urdfdom does not return this joint", "", "");
     model.joints.push_back(joint_from(*read->second, w));
   }
 }
@@ -211,8 +208,8 @@ std::string expanded_template(const std::string& path) {
   for (std::size_t count; pipe && (count = std::fread(part, 1, sizeof part, pipe)) > 0;)
     text.append(part, count);
   if (!pipe || pclose(pipe) != 0)
-    throw Error(Fault{
-        {path}, "", "xacro cannot expand this template", "", "see what it says: xacro " + shell_word(path)});
+    throw Error({path}, "", "xacro cannot expand this template", "",
+                "see what it says: xacro " + shell_word(path));
   return text;
 }
 

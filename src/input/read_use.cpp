@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 
 #include "core/suggest.hpp"
 #include "input/log_columns.hpp"
@@ -61,13 +60,12 @@ void read_coordinates(const Field& f, Spec& spec) {
   for (const Field& item : read_list(f, "[x, y, z]")) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
-    if (coordinate && model.tips)
-      throw Error(item.fault("which of the tips is not said", of_which_tip(model, name)));
+    if (coordinate && model.tips) item.refuse("which of the tips is not said", of_which_tip(model, name));
     const std::vector<Signal> signals =
         coordinate ? std::vector{signal_of(*coordinate)} : find_signals(model, name);
-    if (signals.empty()) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
+    if (signals.empty()) item.refuse("no such coordinate", did_you_mean(name, all));
     for (const Signal& s : signals) {
-      if (contains(named, s.name)) throw Error(item.fault("duplicate coordinate", "keep one of them"));
+      if (contains(named, s.name)) item.refuse("duplicate coordinate", "keep one of them");
       named.push_back(s.name);
       if (!s.coordinate)
         add_signal(s, model);
@@ -75,8 +73,7 @@ void read_coordinates(const Field& f, Spec& spec) {
         (is_length(*s.coordinate) ? lengths : model.coordinates).push_back(*s.coordinate);
     }
   }
-  if (named.empty())
-    throw Error(f.fault("the list of coordinates is empty", "write [x, y, z], or leave the key out"));
+  if (named.empty()) f.refuse("the list of coordinates is empty", "write [x, y, z], or leave the key out");
   for (const Coordinate c : lengths) add_length(c, model);
 }
 
@@ -88,7 +85,7 @@ LogSource read_log_source(const std::string& signal, const Field& f) {
   const Object o(f, spec_format::log_column());
   const std::string unit = o.text("unit").value_or("");
   std::string why;
-  if (!unit.empty() && !parse_unit(unit, why)) throw Error(o.at("unit").fault(why, "such as deg, mm or ms"));
+  if (!unit.empty() && !parse_unit(unit, why)) o.at("unit").refuse(why, "such as deg, mm or ms");
   return {signal, *o.text("column"), unit};
 }
 
@@ -105,7 +102,7 @@ void read_log_section(const Field& f, Spec& spec) {
   for (const auto& [key, value] : read_map(o.at("columns"))) {
     require_log_signal(key.name, key.place, value.path, spec.model.chain);
     for (const LogSource& other : spec.log.columns)
-      if (other.signal == key.name) throw Error(value.fault("duplicate signal", "keep one of them"));
+      if (other.signal == key.name) value.refuse("duplicate signal", "keep one of them");
     spec.log.columns.push_back(read_log_source(key.name, value));
   }
 }

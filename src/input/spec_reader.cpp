@@ -6,10 +6,10 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/package_path.hpp"
+#include "input/object_reader.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "input/unknown_key.hpp"
+#include "input/urdf_reader.hpp"
 #include "qerr/input/first_spec.hpp"
 
 namespace qerr {
@@ -31,8 +31,8 @@ void check_version(const Object& top) {
   try {
     top.number("qerr");
   } catch (const Error&) {
-    throw Error(top.at("qerr").fault("is the version of the format, and this program reads version 1",
-                                     "write 'qerr: 1'"));
+    top.at("qerr").refuse("is the version of the format, and this program reads version 1",
+                          "write 'qerr: 1'");
   }
 }
 
@@ -226,7 +226,7 @@ SpecReader::SpecReader(const std::string& path)
 
 Spec SpecReader::read(const Node& root) {
   if (root.type != Node::Type::mapping)
-    throw Error({root.place, "", "a spec must be a mapping", described(root), "begin with 'qerr: 1'"});
+    throw Error(root.place, "", "a spec must be a mapping", described(root), "begin with 'qerr: 1'");
   const Object top = checked_top(root);
   read_chain(top.at("robot"));
   faults_.raise();  // all further sections refer to the joints of the chain
@@ -238,7 +238,7 @@ Spec SpecReader::read(const Node& root) {
 
 RobotOfSpec SpecReader::robot_of(const Node& root) {
   if (root.type != Node::Type::mapping || !root.find("robot"))
-    throw Error({root.place, "robot", "the spec has no robot", "", "write robot: {urdf: arm.urdf}"});
+    throw Error(root.place, "robot", "the spec has no robot", "", "write robot: {urdf: arm.urdf}");
   const Chain& chain = chain_of()(root);
   return {*robot_, chain, spec_.warnings};
 }
@@ -319,16 +319,15 @@ Object SpecReader::checked_top(const Node& root) {
 
 void SpecReader::read_chain(const Field& f) {
   faults_.guard([&] {
-    if (f.node->type == Node::Type::scalar) throw Error(f.fault("must be a mapping", "write {urdf: ...}"));
+    if (f.node->type == Node::Type::scalar) f.refuse("must be a mapping", "write {urdf: ...}");
     const Object o(f, spec_format::robot());
     if (const int given = o.has("urdf") + o.has("joint") + o.has("dh"); given != 1)
-      throw Error(
-          f.fault(given > 1 ? "a robot has one of 'urdf', 'dh' and 'joint'"
-                            : "the robot needs the key 'urdf', 'dh' for a table, or 'joint' for a single one",
-                  "write urdf: arm.urdf, dh: [{theta: q1, d: 0.3, a: 0, alpha: 90 deg}, ...], or joint: "
-                  "{name: table, type: revolute}"));
+      f.refuse(given > 1 ? "a robot has one of 'urdf', 'dh' and 'joint'"
+                         : "the robot needs the key 'urdf', 'dh' for a table, or 'joint' for a single one",
+               "write urdf: arm.urdf, dh: [{theta: q1, d: 0.3, a: 0, alpha: 90 deg}, ...], or joint: {name: "
+               "table, type: revolute}");
     if (o.has("convention") && !o.has("dh"))
-      throw Error(o.at("convention").fault("only a robot of 'dh' has a convention", "leave it out"));
+      o.at("convention").refuse("only a robot of 'dh' has a convention", "leave it out");
     std::vector<std::string> warnings;
     if (o.has("joint")) {
       robot_ = std::make_shared<const RobotModel>(read_joint(o.at("joint"), spec_.file));
@@ -368,20 +367,19 @@ void SpecReader::read_chain(const Field& f) {
 void SpecReader::read_tips(const Object& robot) {
   for (const char* key : {"tip", "tool", "tracker"})
     if (robot.has(key))
-      throw Error(robot.at(key).fault("a robot of several tips has 'tips' alone",
-                                      "leave it out; a tool may be a fixed link of the URDF"));
+      robot.at(key).refuse("a robot of several tips has 'tips' alone",
+                           "leave it out; a tool may be a fixed link of the URDF");
   std::vector<std::pair<std::string, std::string>> tips;
   for (const auto& [key, link] : read_map(robot.at("tips"))) {
     const bool word = std::all_of(key.name.begin(), key.name.end(), [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
     });
     if (!word || key.name.empty())
-      throw Error({key.place, link.path, "the name of a tip has letters, digits and '_'", quoted(key.name),
-                   "such as left"});
+      throw Error(key.place, link.path, "the name of a tip has letters, digits and '_'", quoted(key.name),
+                  "such as left");
     tips.emplace_back(key.name, read_text_value(link));
   }
-  if (tips.empty())
-    throw Error(robot.at("tips").fault("has no tip", "write tips: {left: LINK, right: LINK}"));
+  if (tips.empty()) robot.at("tips").refuse("has no tip", "write tips: {left: LINK, right: LINK}");
   spec_.model.tips = std::make_shared<const std::vector<NamedTip>>(
       make_chains(*robot_, robot.text("base").value_or(""), tips));
   spec_.model.chain = spec_.model.tips->front().chain;

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 
+#include "input/design_request.hpp"
+#include "input/joint_entries.hpp"
+#include "input/override.hpp"
+#include "input/spec_reader.hpp"
 #include "input/yaml_text.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 
@@ -90,6 +95,172 @@ Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::ve
   for (const auto& [key, value] : changes) spec.overrides.emplace_back(key, flow(value));
   if (seed_) spec.configurations.seed = *seed_;
   return spec;
+}
+
+namespace {
+
+/// Whether two values mean the same: 1 kHz and 1000 do.
+bool mean_the_same(const Node& a, const Node& b) {
+  std::string why;
+  const auto quantity = [&](const Node& n) {
+    return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
+  };
+  const auto x = quantity(a), y = quantity(b);
+  if (x && y) return x->value == y->value;
+  if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
+      a.entries.size() != b.entries.size())
+    return false;
+  for (std::size_t i = 0; i < a.items.size(); ++i)
+    if (!mean_the_same(a.items[i], b.items[i])) return false;
+  return std::all_of(a.entries.begin(), a.entries.end(), [&](const Node::Entry& entry) {
+    const Node* const other = b.find(entry.key.name);
+    return other && mean_the_same(entry.value, *other);
+  });
+}
+
+Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
+  Node root = parse_yaml(spec.text, spec.file);
+  SpecReader reader(spec.file);
+  apply_changes(root, spec_changes(overrides.values), reader.chain_of());
+  return root;
+}
+
+/// A report of a spec as if no value had been set, which the report would print; empty if it cannot be made.
+std::optional<std::string> text_of(const ReportText& report, Spec spec) {
+  spec.overrides.clear();
+  try {
+    return report(spec);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+/// Reports of the spec with all overrides, each made once.
+class Reports {
+ public:
+  Reports(const Spec& spec, const std::vector<ReportText>& reports)
+      : spec_(spec), reports_(reports), texts_(reports.size()) {}
+
+  /// Whether the values or all reports are those of the spec without an override. A spec that cannot be read
+  /// or evaluated without it needs it.
+  bool show_no_change(const SpecOverrides& all, const SpecOverrides& others) {
+    try {
+      if (mean_the_same(changed_tree(spec_, all), changed_tree(spec_, others))) return false;
+      const Spec without = parse_spec(spec_.text, spec_.file, others);
+      for (std::size_t i = 0; i < reports_.size(); ++i) {
+        if (!texts_[i]) texts_[i] = text_of(reports_[i], spec_);
+        if (*texts_[i] != text_of(reports_[i], without)) return false;
+      }
+      return !reports_.empty() && *texts_.back();
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+ private:
+  const Spec& spec_;
+  const std::vector<ReportText>& reports_;
+  std::vector<std::optional<std::optional<std::string>>> texts_;
+};
+
+}  // namespace
+
+std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
+                                        const std::vector<std::string_view>& unused,
+                                        const std::vector<ReportText>& reports) {
+  std::vector<std::string> warnings;
+  Reports compared(spec, reports);
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const std::string& key = overrides.values[i].first;
+    const std::string section = key.substr(0, key.find_first_of(".["));
+    if (std::find(unused.begin(), unused.end(), section) != unused.end()) {
+      warnings.push_back("--set " + key + ": this command does not use " + section);
+      continue;
+    }
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    if (compared.show_no_change(overrides, others))
+      warnings.push_back("--set " + key + " changes no figure of this report");
+  }
+  return warnings;
+}
+
+namespace {
+
+void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
+  const auto same = [](const Encoder& a, const Encoder& b) {
+    return a.resolution == b.resolution && a.accuracy == b.accuracy && a.rounding == b.rounding;
+  };
+  const auto chosen = [&](std::size_t joint) {
+    return std::any_of(spec.design->encoders.begin(), spec.design->encoders.end(),
+                       [&](const JointOptions& options) { return options.joint == joint; });
+  };
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const auto& [key, value] = overrides.values[i];
+    if (!key.starts_with("encoders.")) continue;
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    std::vector<std::string> governed;
+    bool governs = true;
+    try {
+      const Spec without = parse_spec(spec.text, spec.file, others);
+      const auto &encoders = spec.model.transmission.encoders, &before = without.model.transmission.encoders;
+      for (std::size_t j = 0; j < encoders.size() && encoders.size() == before.size(); ++j)
+        if (!same(encoders[j], before[j]))
+          governed.push_back(chosen(j) ? spec.model.chain.independent[j].name : "");
+      governs = governed.empty() || std::count(governed.begin(), governed.end(), "") > 0;
+    } catch (const Error&) {  // the spec needs the override
+    }
+    if (!governs)
+      throw Error({"--set " + key, 0, 0}, key, "governs nothing: design.encoders chooses these encoders",
+                  list_of_names(governed), "change what may be chosen, design.encoders, or leave it out");
+  }
+}
+
+/// The filters of the changed spec, the low-passes that the section `design` chooses left out.
+Node filters_that_hold(const Spec& spec, const SpecOverrides& overrides) {
+  Node root = changed_tree(spec, overrides);
+  Node* const filters = root.find("filters");
+  if (!filters) return {};
+  for (const FilterOptions& chosen : spec.design->filters)
+    if (Node* const filter = filters->find(spec.filters[chosen.filter].name))
+      std::erase_if(filter->entries, [](const Node::Entry& entry) { return entry.key.name == "lowpass"; });
+  return *filters;
+}
+
+void refuse_chosen_filters(const Spec& spec, const SpecOverrides& overrides) {
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const std::string& key = overrides.values[i].first;
+    if (!key.starts_with("filters.")) continue;
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    bool governs = true;
+    try {
+      std::ignore = parse_spec(spec.text, spec.file, others);
+      governs = mean_the_same(changed_tree(spec, overrides), changed_tree(spec, others)) ||
+                !mean_the_same(filters_that_hold(spec, overrides), filters_that_hold(spec, others));
+    } catch (const Error&) {  // the spec needs the override
+    }
+    if (!governs)
+      throw Error({"--set " + key, 0, 0}, key, "governs nothing: design.filters chooses this low-pass", "",
+                  "change what may be chosen, design.filters, or leave it out");
+  }
+}
+
+}  // namespace
+
+void refuse_chosen(const Spec& spec, const SpecOverrides& overrides) {
+  refuse_chosen_encoders(spec, overrides);
+  refuse_chosen_filters(spec, overrides);
+}
+
+void refuse_varied(const Spec& spec, const SpecOverrides& overrides) {
+  for (const SpecChange& change : spec_changes(overrides.values))
+    for (const SweepAxis& axis : spec.sweep)
+      for (const std::string& key : axis.keys)
+        if (set_one_value(key, change.first))
+          throw Error(change.second.place, change.first, "governs nothing: the sweep varies it",
+                      "sweep key " + key, "leave it out, or replace the sweep: --set 'sweep=[...]'");
 }
 
 }  // namespace qerr

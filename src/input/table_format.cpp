@@ -284,12 +284,12 @@ bool has_quoted_commas(const std::vector<SampleLine>& lines) {
   return rows > 1;
 }
 
-constexpr std::string_view hexadecimal = "0123456789abcdefABCDEF";
+constexpr std::string_view hexadecimal_digits = "0123456789abcdefABCDEF";
 
 /// `0x1AF`, of at most 13 digits, which a double holds.
 bool is_hexadecimal(std::string_view text) {
   return text.size() > 2 && text.size() <= 15 && text[0] == '0' && (text[1] | 0x20) == 'x' &&
-         text.find_first_not_of(hexadecimal, 2) == std::string_view::npos;
+         text.find_first_not_of(hexadecimal_digits, 2) == std::string_view::npos;
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "input/urdf_outline.hpp"
-
 #include <expat.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "input/urdf_flaws.hpp"
+#include "input/urdf_reader.hpp"
 
 namespace qerr {
 
@@ -83,8 +81,8 @@ class Outliner {
   [[noreturn]] void fail(std::string rule, std::string found, std::string remedy) {
     cursor_.advance(text_,
                     static_cast<std::size_t>(std::max<XML_Index>(0, XML_GetCurrentByteIndex(parser_.get()))));
-    throw Error(Fault{
-        {file_, cursor_.line, cursor_.column}, "", std::move(rule), std::move(found), std::move(remedy)});
+    throw Error({file_, cursor_.line, cursor_.column}, "", std::move(rule), std::move(found),
+                std::move(remedy));
   }
 
   const std::string& text_;

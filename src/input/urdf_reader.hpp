@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -9,11 +10,100 @@
 #include <utility>
 #include <vector>
 
-#include "input/urdf_flaws.hpp"
-#include "input/urdf_outline.hpp"
+#include "qerr/core/error.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
+
+struct UrdfAttribute {
+  std::string name, value;
+  int line = 0, column = 0;
+};
+
+/// An element of a URDF; at most 256 levels deep, so that recursion is safe.
+struct UrdfElement {
+  std::string name;
+  int line = 0, column = 0;
+  std::vector<UrdfAttribute> attributes;
+  std::vector<UrdfElement> children;
+  std::string text = {};  ///< between the tags; of transmissions only
+
+  const UrdfAttribute* attribute(std::string_view wanted) const;
+  const UrdfElement* child(std::string_view wanted) const;
+  /// The name used in messages: `joint 'elbow'`, or `joint` if it has no name.
+  std::string title() const;
+};
+
+/// The `<robot>` with its links, inertials, joints and the children of joints, and with its transmissions
+/// wholly; other elements are skipped.
+///
+/// Read by expat, because urdfdom reports neither lines nor columns, and silently skips misspelt elements and
+/// attributes.
+/// @throws Error (input) with line and column for malformed XML, a DTD, extreme depth or size, and another
+/// kind of document (SDF, unexpanded xacro)
+UrdfElement urdf_outline(const std::string& text, const std::string& file);
+
+/// The flaws of one document, each with the part of the robot that it concerns.
+class FlawList {
+ public:
+  explicit FlawList(std::string file) : file_(std::move(file)) {}
+
+  /// Further flaws concern this child of `<robot>`: a joint, a link, or the document for any other element.
+  void concern(const UrdfElement& element);
+  /// Further flaws concern the joint of this name.
+  void concern_joint(const std::string& name) { concern_joints({name}); }
+  void concern_joints(std::vector<std::string> names) {
+    part_ = Flaw{.fault = {}, .joints = std::move(names)};
+  }
+  void concern_document() { part_ = {}; }
+
+  /// A flaw after which the part cannot be used.
+  /// @throws Error with all of them when they are very many
+  template <class Located>
+  Flaw& spoil(const Located& at, std::string key, std::string rule, std::string found, std::string remedy) {
+    return add(
+        true,
+        {{file_, at.line, at.column}, std::move(key), std::move(rule), std::move(found), std::move(remedy)});
+  }
+
+  /// A flaw that no figure depends on.
+  template <class Located>
+  void warn(const Located& at, std::string key, std::string rule, std::string found = {},
+            std::string remedy = {}) {
+    add(false,
+        {{file_, at.line, at.column}, std::move(key), std::move(rule), std::move(found), std::move(remedy)});
+  }
+
+  void raise() const;  ///< @throws Error with the flaws that spoil a part, if there is any
+  std::vector<Flaw> take() { return std::move(flaws_); }
+
+ private:
+  Flaw& add(bool spoils, Fault fault);
+
+  std::string file_;
+  Flaw part_;
+  std::vector<Flaw> flaws_;
+  std::size_t spoiling_ = 0;
+};
+
+/// Allowed contents of an element: `many` and `once` are read, `whole` is kept with all that it contains,
+/// `ignored` is skipped. Any other name is foreign (a tag of a simulator) unless it resembles a known one.
+struct Vocabulary {
+  using Names = std::vector<std::string>;
+  std::string_view element;
+  Names many, once, whole, ignored, attributes;
+
+  static bool has(const Names& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+};
+
+/// The row of an element; null if the element has none.
+const Vocabulary* vocabulary(std::string_view element);
+
+/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
+/// @throws Error (input) for values that xacro has not expanded
+void check_vocabulary(const UrdfElement& root, const std::string& file, FlawList&);
 
 std::string_view joint_type_name(JointType type);
 const std::vector<std::pair<std::string, JointType>>& joint_types();
@@ -99,5 +189,10 @@ class UrdfReader {
       parent_joint_;                           ///< parent_joint_: child link -> its joint
   std::map<std::string, std::string> motors_;  ///< of transmissions of one joint: name, joint
 };
+
+/// The file that `robot.urdf` names: a path relative to the folder of the spec, or `package://PKG/PATH`,
+/// looked up in the ROS packages of AMENT_PREFIX_PATH (`share/PKG`) and ROS_PACKAGE_PATH, or `file://PATH`.
+/// @throws Error (input, without a place) for an unknown scheme or a package that is not found
+std::string urdf_path(const std::string& given, const std::string& folder);
 
 }  // namespace qerr

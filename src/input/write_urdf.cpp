@@ -1,5 +1,3 @@
-#include "input/write_urdf.hpp"
-
 #include <filesystem>
 #include <map>
 #include <sstream>
@@ -7,8 +5,7 @@
 
 #include "core/text.hpp"
 #include "input/override.hpp"
-#include "input/package_path.hpp"
-#include "input/urdf_outline.hpp"
+#include "input/urdf_reader.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -68,11 +65,8 @@ std::string urdf_of(const Spec& spec) {
   const Node* robot = root.find("robot");
   const Node* urdf = robot ? robot->find("urdf") : nullptr;
   if (!urdf)
-    throw Error({{spec.file, 0, 0},
-                 "--write-urdf",
-                 "the robot of the spec is not from a URDF",
-                 "",
-                 "leave it out: --write-model has the link dimensions as effects"});
+    throw Error({spec.file, 0, 0}, "--write-urdf", "the robot of the spec is not from a URDF", "",
+                "leave it out: --write-model has the link dimensions as effects");
   return urdf_path(urdf->text, std::filesystem::path(spec.file).parent_path().string());
 }
 

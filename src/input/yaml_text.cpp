@@ -135,8 +135,8 @@ class Rewriter {
   };
 
   [[noreturn]] void refuse(const Node& node, const std::string& path) const {
-    throw Error({node.place, path, "the layout of the spec does not allow changing this value", "",
-                 "write the change into the spec itself"});
+    throw Error(node.place, path, "the layout of the spec does not allow changing this value", "",
+                "write the change into the spec itself");
   }
 
   size_t offset(const Place& p) const {
@@ -368,8 +368,8 @@ std::string rewritten(const std::string& text, const Node& wanted, const std::st
   rewriter.compare(have, wanted, "");
   const std::string result = rewriter.result();
   if (!same_value(parse_yaml(result, file), wanted))
-    throw Error({have.place, "", "the layout of the spec does not allow these changes", "",
-                 "write them into the spec itself"});
+    throw Error(have.place, "", "the layout of the spec does not allow these changes", "",
+                "write them into the spec itself");
   return result;
 }
 

@@ -24,10 +24,10 @@ class Builder {
   void add(std::size_t index, bool upward) {
     const Joint& joint = robot_.joints[index];
     if (joint.type == JointType::floating || joint.type == JointType::planar)
-      throw Error(Fault{joint.place, "joint '" + joint.name + "'",
-                        "a joint between base and tip must be revolute, continuous, prismatic or fixed",
-                        joint.type == JointType::floating ? "a floating joint" : "a planar joint",
-                        "choose robot.base and robot.tip so that it is not between them"});
+      throw Error(joint.place, "joint '" + joint.name + "'",
+                  "a joint between base and tip must be revolute, continuous, prismatic or fixed",
+                  joint.type == JointType::floating ? "a floating joint" : "a planar joint",
+                  "choose robot.base and robot.tip so that it is not between them");
     const Eigen::Matrix3d parent_axes =
         upward ? Eigen::Matrix3d(joint.origin.linear().transpose()) : pending_.linear();
     if (!upward) pending_ = pending_ * joint.origin;
@@ -161,11 +161,9 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
   for (std::size_t i = 0; i < path.joints.size(); ++i) builder.add(path.joints[i], i < path.upward);
   Chain chain = builder.finish(path.base, path.tip);
   if (chain.joints.empty())
-    throw Error(Fault{{robot.file, 0, 0},
-                      "robot.tip",
-                      "no moving joint between base and tip",
-                      "base '" + path.base + "', tip '" + path.tip + "'",
-                      "choose links with a moving joint between them"});
+    throw Error({robot.file, 0, 0}, "robot.tip", "no moving joint between base and tip",
+                "base '" + path.base + "', tip '" + path.tip + "'",
+                "choose links with a moving joint between them");
   LoadSum loads(robot, path.joints);
   auto moving = chain.joints.begin();
   for (std::size_t i = 0; i < path.joints.size(); ++i) {

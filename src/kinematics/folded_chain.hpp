@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "kinematics/folded_path.hpp"
+#include "kinematics/kernels.hpp"
 #include "qerr/kinematics/chain.hpp"
 
 namespace qerr {

@@ -1,5 +1,7 @@
 #include <vector>
 
+#include "kinematics/kernels.hpp"
+#include "kinematics/sampler.hpp"
 #include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
@@ -46,6 +48,17 @@ Eigen::MatrixXd to_independent(const Chain& chain, const Eigen::MatrixXd& column
 
 Jacobian jacobian(const Chain& chain, const Eigen::VectorXd& q) {
   return to_independent(chain, joint_jacobian(chain, q));
+}
+
+BatchedJacobian::BatchedJacobian(const Chain& chain, InstructionSet set)
+    : chain_(fold(chain, false)),
+      set_(set),
+      scratch_(chain.joints.size() * select_kernels<KinematicKernels>(set).scratch_per_joint) {}
+
+void BatchedJacobian::operator()(const double* q, double* to) {
+  std::vector<double> signs;
+  for (const FoldedJoint& joint : chain_.joints) signs.push_back(joint.sign);
+  select_kernels<KinematicKernels>(set_).jacobians(path_of(chain_), signs.data(), q, to, scratch_.data());
 }
 
 }  // namespace qerr

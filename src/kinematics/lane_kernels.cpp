@@ -2,7 +2,7 @@
 #include "kinematics/walk.hpp"
 #include "lanes/batch.hpp"
 #include "lanes/compiled_set.hpp"
-#include "lanes/lane_words.hpp"
+#include "lanes/lanes.hpp"
 
 namespace qerr::lanes {
 namespace {

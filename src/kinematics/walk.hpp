@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinematics/folded_path.hpp"
+#include "kinematics/kernels.hpp"
 #include "lanes/lanes.hpp"
 
 namespace qerr::lanes {

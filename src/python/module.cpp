@@ -10,7 +10,6 @@
 #include <numeric>
 #include <thread>
 
-#include "cli/caller.hpp"
 #include "cli/command.hpp"
 #include "core/run_files.hpp"
 #include "input/csv.hpp"

@@ -75,12 +75,8 @@ inline constexpr std::array<Exporter<Report>, 5> exporters{{
 }};
 
 Error not_written(std::string_view format) {
-  return Error({{},
-                "",
-                format == "html" ? "this report has no page" : "this report is not written in this format",
-                quoted(std::string(format)),
-                "choose table, json or csv with --format"},
-               Trouble::usage);
+  return Error("", format == "html" ? "this report has no page" : "this report is not written in this format",
+               quoted(std::string(format)), "choose table, json or csv with --format", Trouble::usage);
 }
 
 template <class Report>
@@ -132,9 +128,8 @@ std::string write(const Report& report, std::string_view format, const Style& st
       return (format == "table" || format == "md" ? changes_above(report, style) : "") +
              exporter.write(report, style);
     }
-  throw Error(
-      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, names_of(formats()))},
-      Trouble::usage);
+  throw Error("", "unknown format", "'" + std::string(format) + "'",
+              did_you_mean(format, names_of(formats())), Trouble::usage);
 }
 
 template std::string write(const Analysis&, std::string_view, const Style&);

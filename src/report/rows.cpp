@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 
@@ -126,11 +126,11 @@ Error no_json(const std::string& text, std::size_t byte, const std::string& file
       text.substr(byte, std::min(text.find_first_of("\r\n", byte) - byte, std::size_t{30}));
   // What a file of another kind holds may be nobody's business.
   const bool report = text.find("\"qerr\"") != std::string::npos;
-  return Error(Fault{place_of_byte(text, byte, file), "", rule,
-                     rest.empty() ? "its end"
-                     : report     ? quoted(rest)
-                                  : "",
-                     "write the file anew with --format json"});
+  return Error(place_of_byte(text, byte, file), "", rule,
+               rest.empty() ? "its end"
+               : report     ? quoted(rest)
+                            : "",
+               "write the file anew with --format json");
 }
 
 /// The first number beyond the doubles that is not within a string.
@@ -181,7 +181,7 @@ std::string text(const Json& json, int indent) {
 Json parse_json(const std::string& text, const std::string& file) {
   constexpr int most_levels = 64;  // readers call themselves for each
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw Error(Fault{{file, 1, 1}, "", "the file is empty", "", "write it anew with --format json"});
+    throw Error({file, 1, 1}, "", "the file is empty", "", "write it anew with --format json");
   const auto limited = [&](int depth, Json::parse_event_t, const Json&) {
     if (depth > most_levels) throw no_json(text, 0, file, "has more than 64 levels: this is no report");
     return true;

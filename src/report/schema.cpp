@@ -1,9 +1,9 @@
 #include <cmath>
 
-#include "core/physical_range.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/core/parameter.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"

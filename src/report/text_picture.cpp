@@ -1,5 +1,3 @@
-#include "report/text_picture.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -2,11 +2,11 @@
 
 #include <cstddef>
 
-#include "kinematics/folded_path.hpp"
+#include "kinematics/kernels.hpp"
 #include "lanes/select_kernels.hpp"
 
 // Interface of the simulation kernels, included by files that are compiled per instruction set (see
-// folded_path.hpp for the headers that these must not include).
+// kinematics/kernels.hpp for the headers that these must not include).
 //
 // Lanes are instants where no state is carried from sample to sample (motion, quantizers, kinematics), and
 // channels where it is (filters). Runs are not used as lanes, since most simulations are a single run.
@@ -62,7 +62,7 @@ struct PathErrorPlan {
   bool rotations, angles, biased;
   bool tip_frame;            ///< rows 0..5 are in the axes of the tip
   bool mixed;                ///< a column is a sum of several joints
-  double remainder;          ///< linearization remainder of the position (linearization_remainder.hpp)
+  double remainder;          ///< linearization remainder of the position (bound/operational_error.hpp)
   double largest_remainder;  ///< its upper bound in any configuration, or infinity
   const double* per_column;  ///< factor of |scaled column|
   double rotation, rotation_angle;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "bound/linearization_remainder.hpp"
 #include "lanes/lanes.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "simulate/kernels.hpp"
 #include "simulate/sensing.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/random.hpp"
-#include "filter/run/row_filter.hpp"
+#include "filter/run/cascade.hpp"
 #include "simulate/count_errors.hpp"
 #include "simulate/motion_path.hpp"
 

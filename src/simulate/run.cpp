@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.hpp"
-#include "filter/run/row_filter.hpp"
+#include "filter/run/cascade.hpp"
 #include "lanes/batch.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/path_errors.hpp"

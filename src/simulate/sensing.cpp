@@ -156,11 +156,9 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
 }
 
 void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
-  throw Error({{},
-               "effects",
-               "a count must be an integer within 2^53",
-               "encoder " + std::to_string(encoder + 1) + " at " + shortest(batch_.time[i]) + " s",
-               "reduce the effects"});
+  throw Error("effects", "a count must be an integer within 2^53",
+              "encoder " + std::to_string(encoder + 1) + " at " + shortest(batch_.time[i]) + " s",
+              "reduce the effects");
 }
 
 double Sensing::count_of(std::size_t encoder, double position) const {

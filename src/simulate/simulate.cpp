@@ -13,8 +13,8 @@
 #include "qerr/core/quantity.hpp"
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/run.hpp"
-#include "simulate/settling.hpp"
 #include "simulate/tracking_along_motion.hpp"
+#include "simulate/unrounded_record.hpp"
 
 namespace qerr {
 
@@ -22,11 +22,9 @@ std::uint64_t divisor_of(const Filter& filter, const Motion& motion) {
   constexpr double most_exact_whole = 9007199254740992;  // 2^53: a double has all neighbours up to it
   const double ratio = motion.sample_rate / filter.sample_rate, whole = std::round(ratio);
   if (whole < 1 || whole > most_exact_whole || std::abs(ratio - whole) > 1e-9 * whole)
-    throw Error({{},
-                 "motion.sample_rate",
-                 "the rate of a filter must divide the rate of the motion",
-                 shortest(filter.sample_rate) + " Hz of " + shortest(motion.sample_rate) + " Hz",
-                 "give both the same rate, or the motion a multiple"});
+    throw Error("motion.sample_rate", "the rate of a filter must divide the rate of the motion",
+                shortest(filter.sample_rate) + " Hz of " + shortest(motion.sample_rate) + " Hz",
+                "give both the same rate, or the motion a multiple");
   return static_cast<std::uint64_t>(whole);
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/filter/filter.hpp"
+#include "qerr/kinematics/chain.hpp"
 #include "qerr/simulate/simulate.hpp"
 
 namespace qerr {
@@ -27,5 +29,17 @@ struct TrackingMoments {
 /// derivative, and for third and higher derivatives
 std::vector<TrackingMoments> tracking_along_motion(const OperationalModel&, const std::vector<Effect>&,
                                                    const Motion&, const Filter&, double settling);
+
+/// Motion of the tip in the base frame at one instant.
+struct TipMotion {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< of the tip's origin: J q' [m/s]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< J q'' + J' q' [m/s^2]
+};
+
+/// Forward recursion along the chain (Siciliano et al., Robotics, 2009, Sec. 7.5.1).
+/// @param q, velocity, acceleration  of the independent joints [rad or m, per s, per s^2]
+TipMotion tip_motion(const Chain&, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
+                     const Eigen::VectorXd& acceleration);
 
 }  // namespace qerr

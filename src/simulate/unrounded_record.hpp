@@ -5,10 +5,15 @@
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
+#include "qerr/filter/filter.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {
+
+/// Initial part of a motion that statistics exclude [s]: `motion.settling`, or where it is not given, until
+/// the transients of all filters have decayed to 1e-3, at most half of the motion.
+double settling_time(const Motion&, const std::vector<Filter>&);
 
 /// Longest record along which the figures of a motion are computed [samples]: some seconds.
 inline constexpr std::uint64_t longest_record = 20'000'000;

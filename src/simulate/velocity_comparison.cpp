@@ -72,11 +72,8 @@ void require_edges_apart(const ComparedMotion& c, std::size_t encoder) {
   const EdgeErrors edges =
       edge_errors(c.model.transmission.encoders[encoder], c.effects, c.joint_name(encoder));
   if (edges.shortest > 0 && edges.slope < 1) return;
-  throw Error({{},
-               "effects",
-               "the errors of the disc let edges of the encoder coincide, which cannot be timed",
-               "joint " + c.joint_name(encoder),
-               "reduce the effects, or leave out estimators with a clock"});
+  throw Error("effects", "the errors of the disc let edges of the encoder coincide, which cannot be timed",
+              "joint " + c.joint_name(encoder), "reduce the effects, or leave out estimators with a clock");
 }
 
 /// Adds one run of one encoder.

@@ -11,7 +11,6 @@
 #include "bound/batched_error.hpp"
 #include "bound/histogram.hpp"
 #include "core/random.hpp"
-#include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"

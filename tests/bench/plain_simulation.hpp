@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "bound/linearization_remainder.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/simulate/simulate.hpp"
 
 /// A straightforward simulation with Eigen: sample by sample, with fixed sizes where possible, transforms and

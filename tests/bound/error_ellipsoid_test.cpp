@@ -1,9 +1,8 @@
-#include "bound/error_ellipsoid.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "qerr/bound/operational_error.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bound/linearization_remainder.hpp"
 #include "bound/noise_in_motion.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "support/design_filter.hpp"
 #include "support/measured.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "bound/proven/figure_model.hpp"
+#include "bound/proven/ascent.hpp"
 #include "core/parallel.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"

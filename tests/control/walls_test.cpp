@@ -1,10 +1,10 @@
-#include "control/walls.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "control/control.hpp"
 
 namespace qerr {
 namespace {

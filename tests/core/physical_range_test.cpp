@@ -1,8 +1,8 @@
-#include "core/physical_range.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "qerr/core/parameter.hpp"
 
 namespace qerr {
 namespace {

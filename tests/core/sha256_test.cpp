@@ -1,8 +1,8 @@
-#include "core/sha256.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "core/run_files.hpp"
 
 namespace qerr {
 namespace {

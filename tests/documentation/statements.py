@@ -175,7 +175,7 @@ def default_gap(v):
 
 
 def search_starts(v):
-    blocks, block = v.source("src/bound/proven/figure_model.cpp", r"blocks = (\d+), block = (\d+);")
+    blocks, block = v.source("src/bound/proven/ascent.cpp", r"blocks = (\d+), block = (\d+);")
     return (f"{int(blocks) * int(block):,}".replace(",", " "),)
 
 

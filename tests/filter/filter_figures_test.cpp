@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "filter/norms/transient.hpp"
+#include "filter/norms/autocorrelation.hpp"
 #include "qerr/filter/norms.hpp"
 #include "support/measured.hpp"
 #include "support/random_filter.hpp"

@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "filter/norms/autocorrelation.hpp"
-#include "filter/norms/ball.hpp"
-#include "filter/norms/deviation.hpp"
-#include "filter/norms/direct_sum.hpp"
-#include "filter/norms/lifted_norm.hpp"
+#include "filter/norms/l1_norm.hpp"
+#include "filter/norms/multiprecision.hpp"
+#include "filter/norms/numerical_error.hpp"
 #include "filter/norms/sequence.hpp"
 #include "filter/norms/tail_sum.hpp"
-#include "filter/norms/transient.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "support/design_filter.hpp"

@@ -1,5 +1,3 @@
-#include "filter/norms/recursion_error.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "filter/design/polynomial.hpp"
+#include "filter/norms/numerical_error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "support/design_filter.hpp"

@@ -1,5 +1,3 @@
-#include "filter/run/row_filter.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

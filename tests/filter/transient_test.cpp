@@ -1,11 +1,10 @@
-#include "filter/norms/transient.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 
+#include "filter/norms/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "input/byte_source.hpp"
+#include "input/text_source.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/input/spec.hpp"
 

@@ -1,11 +1,10 @@
-#include "input/package_path.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "input/urdf_reader.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

@@ -1,5 +1,3 @@
-#include "input/write_urdf.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>

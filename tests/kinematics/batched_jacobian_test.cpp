@@ -1,5 +1,3 @@
-#include "kinematics/batched_jacobian.hpp"
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -8,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "kinematics/sampler.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "support/random_chain.hpp"

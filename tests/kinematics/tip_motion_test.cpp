@@ -1,8 +1,7 @@
-#include "kinematics/tip_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include "qerr/kinematics/chain.hpp"
+#include "simulate/tracking_along_motion.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

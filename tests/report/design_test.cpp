@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "core/text.hpp"
-#include "input/idle_overrides.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/design_report.hpp"

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "report/diagnosis/joint_residual.hpp"
-#include "report/fourier.hpp"
+#include "report/diagnosis/parts.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 

@@ -1,9 +1,8 @@
-#include "report/analysis/exceedance.hpp"
-
 #include <gtest/gtest.h>
 
-#include "input/read_limits.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/error.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "input/idle_overrides.hpp"
 #include "input/joint_entries.hpp"
+#include "input/spec_variants.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "support/random_spec.hpp"

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "report/page/frame.hpp"
-#include "report/page/heat_map.hpp"
 #include "report/page/plot.hpp"
 
 namespace qerr::page {

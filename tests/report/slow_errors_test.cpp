@@ -9,8 +9,8 @@
 #include "filter/run/cascade.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/simulation_report.hpp"
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/tables.hpp"
 
 namespace qerr {
 namespace {

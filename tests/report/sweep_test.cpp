@@ -5,8 +5,7 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
-#include "report/sweep/grid.hpp"
-#include "report/sweep/shard_file.hpp"
+#include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shards.hpp"
 
 namespace qerr {

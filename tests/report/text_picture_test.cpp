@@ -1,5 +1,3 @@
-#include "report/text_picture.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numbers>
 
 #include "core/text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 namespace {

@@ -1,11 +1,10 @@
-#include "simulate/usage.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "kinematics/inverse_dynamics.hpp"
+#include "simulate/effects_along_motion.hpp"
 #include "simulate/motion_path.hpp"
 #include "support/effect_experiment.hpp"
 

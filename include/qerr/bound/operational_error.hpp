@@ -120,4 +120,30 @@ Bounds derivative_error(double half_width, double mean, double sigma, const Norm
 Bounds derivative_error(const OperationalError&, Eigen::Index coordinate, const Norms&,
                         const Eigen::VectorXd& ratios);
 
+/// The ellipsoid of one sigma of three coordinates, { C^(1/2) u : |u| = 1 } for a covariance C.
+struct ErrorEllipsoid {
+  Eigen::Vector3d semi_axes;  ///< roots of C's eigenvalues, the largest first [m or rad]
+  /// Columns: unit vectors along the semi-axes, in the axes of C. The largest component of each is positive;
+  /// where two semi-axes are equal, the directions in their plane are arbitrary.
+  Eigen::Matrix3d directions;
+};
+
+/// Sigma along a unit vector u is sqrt(u^T C u): at most the first semi-axis, at least the last one.
+/// @param covariance  symmetric and not negative, but for rounding [m^2 or rad^2]
+ErrorEllipsoid error_ellipsoid(const Eigen::Matrix3d& covariance);
+
+/// Second-order remainders of the tip's pose over the whole quantization box (derivation:
+/// `operational_error`), in terms that do not depend on the configuration.
+///
+/// Position: rho = position + sum_k per_column_k |linear part of column k of the joint Jacobian|.
+struct LinearizationRemainder {
+  double position = 0;         ///< [m]
+  Eigen::VectorXd per_column;  ///< [moving joint]; 0 for prismatic ones
+  double rotation = 0;        ///< of one component of the rotation vector; infinite for boxes beyond pi [rad]
+  double rotation_angle = 0;  ///< bound of the rotation angle [rad]
+};
+
+/// @param largest  error of each independent joint [rad or m]
+LinearizationRemainder linearization_remainder(const Chain&, const Eigen::VectorXd& largest);
+
 }  // namespace qerr

@@ -31,6 +31,11 @@ enum class Trouble { usage = 2, input = 3, file_system = 4, internal = 5 };
 class Error : public std::runtime_error {
  public:
   explicit Error(Fault fault, Trouble trouble = Trouble::input);
+  /// Of one fault, with or without its place.
+  Error(Place place, std::string key, std::string rule, std::string found, std::string remedy,
+        Trouble trouble = Trouble::input);
+  Error(std::string key, std::string rule, std::string found, std::string remedy,
+        Trouble trouble = Trouble::input);
   explicit Error(std::vector<Fault> faults, Trouble trouble = Trouble::input);
   const std::vector<Fault>& faults() const { return faults_; }
   Trouble trouble() const { return trouble_; }

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "qerr/effect/effect.hpp"
+#include "qerr/input/spec.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
@@ -43,5 +46,11 @@ Chain first_chain(const RobotModel&, const std::string& base = "", const std::st
 /// states is the gear ratio of an assumed motor encoder.
 /// @param urdf  path of the URDF relative to the spec
 std::string first_spec(const RobotModel&, const Chain&, const std::string& urdf);
+
+/// The text of the spec's URDF with the link dimensions of effects `geometry`, stated and found: each moves
+/// the <origin> of its joint in the frame of the parent link. All else is as in the file.
+/// @throws Error (input) where the robot is not from a URDF, or the file cannot be read
+/// @param found  beside those that the spec states
+std::string urdf_as_built(const Spec&, const std::vector<Effect>& found);
 
 }  // namespace qerr

@@ -8,13 +8,12 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bound/linearization_remainder.hpp"
 #include "bound/proven/ascent.hpp"
 #include "bound/proven/box_bound.hpp"
 #include "bound/proven/chain_bound.hpp"
-#include "bound/proven/figure_model.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -37,11 +36,8 @@ Limits bounded_range(const Chain& chain, std::size_t joint, const Limits& range)
   }
   if (std::isfinite(range.upper - range.lower)) return range;
   const std::string& name = chain.independent[joint].name;
-  throw Error(Fault{{},
-                    "configurations.limits." + name,
-                    "a proof over the joint's whole range needs its limits",
-                    "unlimited",
-                    "add configurations: {limits: {" + name + ": [-180 deg, 180 deg]}}"});
+  throw Error("configurations.limits." + name, "a proof over the joint's whole range needs its limits",
+              "unlimited", "add configurations: {limits: {" + name + ": [-180 deg, 180 deg]}}");
 }
 
 /// What is proven of the position: its maximum times `factor` is that of the figure.

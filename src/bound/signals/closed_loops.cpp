@@ -1,5 +1,4 @@
-#include "bound/signals/closed_loops.hpp"
-
+#include "bound/signals/signals.hpp"
 #include "control/loop_response.hpp"
 
 namespace qerr {

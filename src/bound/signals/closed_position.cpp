@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "bound/signals/closed_loops.hpp"
+#include "bound/signals/signals.hpp"
 #include "qerr/kinematics/chain.hpp"
 
 namespace qerr {

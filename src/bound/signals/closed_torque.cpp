@@ -1,4 +1,4 @@
-#include "bound/signals/closed_loops.hpp"
+#include "bound/signals/signals.hpp"
 
 namespace qerr {
 

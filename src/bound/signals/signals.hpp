@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/signal.hpp"
 
 namespace qerr {
@@ -7,5 +11,21 @@ namespace qerr {
 #define QERR_SIGNAL(name) SignalKind name##_signal();
 #include "bound/signals/list.inc"
 #undef QERR_SIGNAL
+
+/// What the signals of closed loops share.
+
+/// Indices of the independent joints whose loop can be closed; none without `control`.
+std::vector<std::size_t> looped_joints(const OperationalModel&);
+
+/// One signal for each of these joints. @param torque  in N m or N, else in rad or m
+std::vector<Signal> loop_signals(const OperationalModel&, const std::string& before, bool torque);
+
+/// The coordinate of one of these joints.
+Eigen::RowVectorXd joint_row(const OperationalModel&, std::size_t index, const Eigen::VectorXd& q);
+
+/// Norms of sum_j row_j G_j(z) moved_je for each error e, G_j being the transfer function of joint j's loop:
+/// exact also where an error moves several joints.
+SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& row,
+                           const Eigen::MatrixXd& moved, const LoopsAt&, bool torque);
 
 }  // namespace qerr

@@ -1,6 +1,5 @@
 #include <array>
 
-#include "bound/linearization_remainder.hpp"
 #include "bound/signals/signals.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/kinematics/chain.hpp"

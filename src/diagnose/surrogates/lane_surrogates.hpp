@@ -1,7 +1,7 @@
 #pragma once
 
 #include "diagnose/surrogates/residual_kernels.hpp"
-#include "lanes/lane_words.hpp"
+#include "lanes/lanes.hpp"
 
 // Noise and readings of surrogates, vectorized over surrogates.
 

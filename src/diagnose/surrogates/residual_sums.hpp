@@ -6,7 +6,7 @@
 
 #include "diagnose/surrogates/residual_kernels.hpp"
 #include "diagnose/surrogates/surrogate.hpp"
-#include "filter/run/row_filter.hpp"
+#include "filter/run/cascade.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

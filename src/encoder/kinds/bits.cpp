@@ -7,12 +7,7 @@ namespace qerr {
 EncoderKind bits_encoder() {
   return {.name = "bits",
           .summary = "absolute encoder: bits per revolution",
-          .parameters = {{.name = "bits",
-                          .kind = Kind::integer,
-                          .meaning = "bits per encoder revolution",
-                          .required = true,
-                          .least = 1,
-                          .most = 40}},
+          .parameters = {key::integer("bits", "bits per encoder revolution").within(1, 40).needed()},
           .example = "bits: 17",
           .counts_per_rev = [](const EncoderNumbers& n,
                                const EncoderChoices&) { return std::exp2(n.at("bits")); },

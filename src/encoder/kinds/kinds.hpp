@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 /// The rows of `encoder_kinds()`. A new kind is one file in this folder, its line here and one in the list.
 namespace qerr {

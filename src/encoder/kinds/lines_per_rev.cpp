@@ -15,16 +15,11 @@ EncoderKind lines_per_rev_encoder() {
   return {
       .name = "lines_per_rev",
       .summary = "incremental encoder: lines (slots) per revolution and the decoding of its two channels",
-      .parameters = {{.name = "lines_per_rev",
-                      .meaning = "lines per encoder revolution",
-                      .required = true,
-                      .least = 0,
-                      .most = most_per_revolution,
-                      .open_below = true},
-                     {.name = "decoding",
-                      .kind = Kind::choice,
-                      .meaning = "edges counted per line: 1, 2 or 4",
-                      .choices = "x4|x2|x1"}},
+      .parameters = {key::number("lines_per_rev", "lines per encoder revolution")
+                         .above(0)
+                         .up_to(most_per_revolution)
+                         .needed(),
+                     key::choice("decoding", "x4|x2|x1", "edges counted per line: 1, 2 or 4")},
       .example = "lines_per_rev: 1024, decoding: x4",
       .ambiguous_keys = "cpr|ppr|CPR|PPR",
       .ambiguous_remedy =

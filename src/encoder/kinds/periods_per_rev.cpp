@@ -15,18 +15,11 @@ double counts_per_period(const EncoderNumbers& n, const EncoderChoices&) {
 EncoderKind periods_per_rev_encoder() {
   return {.name = "periods_per_rev",
           .summary = "sine/cosine encoder or resolver: signal periods per revolution, interpolated",
-          .parameters = {{.name = "periods_per_rev",
-                          .meaning = "signal periods per encoder revolution",
-                          .required = true,
-                          .least = 0,
-                          .most = most_per_revolution,
-                          .open_below = true},
-                         {.name = "interpolation_bits",
-                          .kind = Kind::integer,
-                          .meaning = "bits per signal period",
-                          .required = true,
-                          .least = 1,
-                          .most = 32}},
+          .parameters = {key::number("periods_per_rev", "signal periods per encoder revolution")
+                             .above(0)
+                             .up_to(most_per_revolution)
+                             .needed(),
+                         key::integer("interpolation_bits", "bits per signal period").within(1, 32).needed()},
           .example = "periods_per_rev: 512, interpolation_bits: 12",
           .counts_per_rev =
               [](const EncoderNumbers& n, const EncoderChoices& c) {

@@ -5,12 +5,9 @@ namespace qerr {
 EncoderKind resolution_encoder() {
   return {.name = "resolution",
           .summary = "quantization interval at the joint itself",
-          .parameters = {{.name = "resolution",
-                          .meaning = "interval at the joint, rad (m for a prismatic joint)",
-                          .required = true,
-                          .least = 0,
-                          .open_below = true,
-                          .coordinate = true}},
+          .parameters = {key::coordinate("resolution", "interval at the joint, rad (m for a prismatic joint)")
+                             .above(0)
+                             .needed()},
           .example = "resolution: 1 um",
           .resolution_at_joint = [](const EncoderNumbers& n,
                                     const EncoderChoices&) { return n.at("resolution"); },

@@ -7,7 +7,7 @@
 
 #include "filter/design/families/families.hpp"
 #include "filter/design/polynomial.hpp"
-#include "filter/norms/deviation.hpp"
+#include "filter/norms/numerical_error.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -30,10 +30,9 @@ using Polynomial = std::array<Binary1024, 3>;
 using List = std::vector<double>;
 
 void check_list(const std::vector<double>& list, const char* key) {
-  if (list.empty())
-    throw Error(Fault{{}, key, "needs at least one coefficient", "an empty list", "write e.g. [1]"});
+  if (list.empty()) throw Error(key, "needs at least one coefficient", "an empty list", "write e.g. [1]");
   for (const double c : list) {
-    if (!std::isfinite(c)) throw Error(Fault{{}, key, "the coefficients must be finite", figure(c), ""});
+    if (!std::isfinite(c)) throw Error(key, "the coefficients must be finite", figure(c), "");
   }
 }
 
@@ -57,11 +56,9 @@ double root_uncertainty(const List& a, std::complex<double> root) {
 }
 
 Error unstable(double largest) {
-  return Error(Fault{{},
-                     "denominator",
-                     "the filter is not stable: a pole lies on or outside the unit circle",
-                     "largest pole modulus " + figure(largest),
-                     "all poles must lie inside; the coefficients ascend in z^-1"});
+  return Error("denominator", "the filter is not stable: a pole lies on or outside the unit circle",
+               "largest pole modulus " + figure(largest),
+               "all poles must lie inside; the coefficients ascend in z^-1");
 }
 
 struct FactoredPoles {
@@ -146,8 +143,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   check_list(numerator, "numerator");
   check_list(denominator, "denominator");
   if (denominator[0] == 0) {
-    throw Error(
-        Fault{{}, "denominator", "the first coefficient a0 must not be 0", "0", "leave out leading zeros"});
+    throw Error("denominator", "the first coefficient a0 must not be 0", "0", "leave out leading zeros");
   }
   List b = numerator, a = denominator;
   trim(a);
@@ -166,11 +162,9 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
     return filter;
   }
   if (std::max(a.size(), b.size()) > max_coefficients) {
-    throw Error(Fault{{},
-                      a.size() > b.size() ? "denominator" : "numerator",
-                      "too many coefficients for a filter with poles",
-                      std::to_string(std::max(a.size(), b.size())),
-                      "use at most " + std::to_string(max_coefficients)});
+    throw Error(a.size() > b.size() ? "denominator" : "numerator",
+                "too many coefficients for a filter with poles", std::to_string(std::max(a.size(), b.size())),
+                "use at most " + std::to_string(max_coefficients));
   }
   const FactoredPoles poles = stable_poles(a);
   Filter result;

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "filter/norms/ball.hpp"
 #include "filter/norms/complex.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 
 namespace qerr {

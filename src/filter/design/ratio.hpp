@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "filter/design/representations/factors.hpp"
+#include "filter/design/representations/representations.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

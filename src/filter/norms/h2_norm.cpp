@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/norms/lifted_norm.hpp"
+#include "filter/norms/l1_norm.hpp"
 #include "filter/norms/rational.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -50,12 +50,10 @@ Estimate h2_estimate(const Filter& filter) {
     if (!e) e = estimate_in<Binary<4096>>(filter, 0, 1);
   }
   if (!e)
-    throw Error(Fault{
-        {},
-        "",
-        "the norms of the filter exceed the range of double precision",
+    throw Error(
+        "", "the norms of the filter exceed the range of double precision",
         std::isfinite(filter.gain.hi) ? "a gain of " + shortest(filter.gain.hi) : "a gain above 1.8e308",
-        "scale its coefficients, or bring cut-off and sample rate closer together"});
+        "scale its coefficients, or bring cut-off and sample rate closer together");
   e->error += filter.deviation.h2 + design_rounding(filter) * e->value;
   return *e;
 }

@@ -1,7 +1,6 @@
 #include "filter/norms/modes.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "filter/norms/rational.hpp"
 

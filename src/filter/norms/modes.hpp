@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "filter/norms/ball.hpp"
 #include "filter/norms/complex.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

@@ -1,7 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <compare>
 #include <cstddef>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "qerr/core/double_double.hpp"
 
 namespace qerr {
 
@@ -74,5 +80,112 @@ Binary256 sinh(const Binary256&);
 Binary256 cosh(const Binary256&);
 Binary256 atan2(const Binary256& y, const Binary256& x);
 Binary256 pi256();
+
+/// Rounding errors of a number type: an operation is off by at most `unit` times its result, plus `tiny`.
+template <class T>
+struct RoundingErrors;
+
+/// Joldes, Muller, Popescu (2017), Tight and rigorous error bounds for double-word arithmetic: the algorithms
+/// of double_double.hpp are off by at most 10 2^-106, barring underflow of a low word.
+template <>
+struct RoundingErrors<DoubleDouble> {
+  using Radius = double;
+  static constexpr Radius unit = 0x1p-102;
+  static constexpr Radius tiny = 1e-285;
+  static Radius magnitude(const DoubleDouble& x) { return std::abs(x.hi) * (1 + 0x1p-50); }
+  static DoubleDouble scaled(const DoubleDouble& x, int exponent) {
+    return {std::ldexp(x.hi, exponent), std::ldexp(x.lo, exponent)};
+  }
+};
+
+template <unsigned bits>
+struct RoundingErrors<Binary<bits>> {
+  using Radius = long double;
+  static inline const Radius unit = std::ldexp(1.0L, -static_cast<int>(bits) + 1);
+  static constexpr Radius tiny = 0;
+  static Radius magnitude(const Binary<bits>& x) {
+    return std::abs(static_cast<Radius>(x)) * (1 + 0x1p-50L) + std::numeric_limits<Radius>::min();
+  }
+  static Binary<bits> scaled(const Binary<bits>& x, int exponent) { return ldexp(x, exponent); }
+};
+
+inline Binary1024 to_binary1024(DoubleDouble x) { return Binary1024(x.hi) + Binary1024(x.lo); }
+
+template <unsigned bits>
+DoubleDouble to_double_double(const Binary<bits>& x) {
+  const double hi = static_cast<double>(x);
+  return {hi, static_cast<double>(x - Binary<bits>(hi))};
+}
+
+/// Midpoint-radius interval arithmetic: a real number x with |x - mid| <= rad.
+///
+/// Every operation adds a bound of its own rounding error to the radius, so that a result in balls is a
+/// proof. Radii are rounded up by the factor `up`, far more than the few roundings of one radius. With a NaN
+/// `above_zero` and `below_zero` are false.
+template <class T>
+class Ball {
+ public:
+  using Radius = typename RoundingErrors<T>::Radius;
+
+  Ball() = default;
+  Ball(double exact) : mid_(exact) {}  // NOLINT: exact
+  explicit Ball(T mid, Radius rad = 0) : mid_(std::move(mid)), rad_(rad) {}
+  static Ball exactly(DoubleDouble x) {
+    if constexpr (std::is_same_v<T, DoubleDouble>) {
+      return Ball(x);
+    } else {
+      return Ball(T(x.hi) + T(x.lo));
+    }
+  }
+
+  const T& mid() const { return mid_; }
+  Radius rad() const { return rad_; }
+  Radius largest() const { return (magnitude() + rad_) * up; }                 ///< of |x|
+  Radius smallest() const { return magnitude() * (1 - 0x1p-48) - rad_ * up; }  ///< of |x|; may be below 0
+  bool above_zero() const { return T(0) < mid_ && smallest() > 0; }
+  bool below_zero() const { return mid_ < T(0) && smallest() > 0; }
+  Ball scaled(int exponent) const {
+    return Ball(RoundingErrors<T>::scaled(mid_, exponent),
+                std::ldexp(rad_, exponent) + RoundingErrors<T>::tiny);
+  }
+
+  friend Ball operator-(const Ball& x) { return Ball(-x.mid_, x.rad_); }
+  friend Ball operator+(const Ball& x, const Ball& y) { return rounded(x.mid_ + y.mid_, x.rad_ + y.rad_); }
+  friend Ball operator-(const Ball& x, const Ball& y) { return rounded(x.mid_ - y.mid_, x.rad_ + y.rad_); }
+  friend Ball operator*(const Ball& x, const Ball& y) {
+    const Radius spread =
+        x.rad_ == 0 && y.rad_ == 0 ? 0 : x.magnitude() * y.rad_ + y.magnitude() * x.rad_ + x.rad_ * y.rad_;
+    return rounded(x.mid_ * y.mid_, spread);
+  }
+  friend Ball operator/(const Ball& x, const Ball& y) {
+    Ball q(x.mid_ / y.mid_);
+    const Radius divisor = y.smallest();
+    const Radius spread = (x.rad_ + q.magnitude() * y.rad_) / divisor;
+    return rounded(q.mid_, divisor > 0 ? spread : std::numeric_limits<Radius>::infinity());
+  }
+  Ball& operator+=(const Ball& y) { return *this = *this + y; }
+  Ball& operator-=(const Ball& y) { return *this = *this - y; }
+  Ball& operator*=(const Ball& y) { return *this = *this * y; }
+
+  /// @pre x >= 0, though mid - rad may be below 0
+  friend Ball sqrt(const Ball& x) {
+    using std::sqrt;
+    if (!x.above_zero()) return Ball(T(0), sqrt(x.largest()) * up);
+    const T root = sqrt(x.mid_);
+    return rounded(root, x.rad_ / Ball(root).smallest());
+  }
+  friend Ball abs(const Ball& x) { return x.mid_ < T(0) ? -x : x; }
+
+ private:
+  static constexpr double up = 1 + 0x1p-45;
+  Radius magnitude() const { return RoundingErrors<T>::magnitude(mid_); }
+  static Ball rounded(T mid, Radius spread) {
+    const Radius own = RoundingErrors<T>::unit * RoundingErrors<T>::magnitude(mid);
+    return Ball(mid, (spread + own) * up + RoundingErrors<T>::tiny);
+  }
+
+  T mid_{};
+  Radius rad_ = 0;
+};
 
 }  // namespace qerr

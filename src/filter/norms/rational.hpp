@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "filter/norms/ball.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

@@ -1,4 +1,4 @@
-#include "filter/run/filter_kernels.hpp"
+#include "filter/run/section_recursion.hpp"
 #include "lanes/compiled_set.hpp"
 
 namespace qerr::lanes {

@@ -1,13 +1,12 @@
-#include "report/analysis/about.hpp"
-
 #include <algorithm>
 #include <numbers>
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/page/page.hpp"
 #include "report/text_table.hpp"
 

@@ -12,14 +12,13 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/control.hpp"
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 #include "simulate/quantization_along_motion.hpp"
-#include "simulate/settling.hpp"
+#include "simulate/unrounded_record.hpp"
 
 namespace qerr {
 

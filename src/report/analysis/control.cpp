@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "control/figures.hpp"
+#include "control/control.hpp"
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
 #include "report/analysis/requirements.hpp"

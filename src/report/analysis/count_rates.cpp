@@ -1,5 +1,3 @@
-#include "report/analysis/count_rates.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +5,7 @@
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

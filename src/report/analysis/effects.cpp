@@ -11,14 +11,12 @@
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "simulate/effects_along_motion.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/sensing.hpp"
-#include "simulate/settling.hpp"
 #include "simulate/unrounded_record.hpp"
-#include "simulate/usage.hpp"
 
 namespace qerr {
 
@@ -315,8 +313,8 @@ void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
   const auto of_error = std::find_if(spec.requirements.begin(), spec.requirements.end(),
                                      [](const Requirement& r) { return r.limits_error(); });
   if (of_error == spec.requirements.end() || unknown.empty()) return;
-  throw Error({of_error->place, "requirements",
-               quoted(of_error->quantity) + " cannot be decided: " + unknown.front(), "", ""});
+  throw Error(of_error->place, "requirements",
+              quoted(of_error->quantity) + " cannot be decided: " + unknown.front(), "", "");
 }
 
 std::string effect_unit(const Spec& spec, const EffectShare& s) {

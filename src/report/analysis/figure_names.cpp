@@ -6,7 +6,6 @@
 #include "bound/figure_column.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/control.hpp"
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 

@@ -1,14 +1,13 @@
-#include "report/analysis/robot_figures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "report/page/heat_map.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "report/analysis/tables.hpp"
+#include "report/page/frame.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/rows.hpp"

@@ -7,7 +7,6 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/control.hpp"
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"

@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <cmath>
 
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"

@@ -28,7 +28,7 @@ namespace {
 
 Error report_error(const std::string& file, const std::string& key, const std::string& rule,
                    const std::string& found, const std::string& remedy) {
-  return Error(Fault{{file}, key, rule, found, remedy});
+  return Error({file}, key, rule, found, remedy);
 }
 
 /// Reports of analyze and of check have the same figures, those of filter others; a spec has all.
@@ -232,11 +232,10 @@ const Baseline& baseline_of(const Baselines& baselines, const std::string& spec,
   if (found && named == 1) return *found;
   std::string specs;
   for (const Baseline& b : baselines) specs += (specs.empty() ? "" : ", ") + quoted(b.figures.spec);
-  throw Error(Fault{{baselines.empty() ? "" : baselines.front().figures.file},
-                    "reports",
-                    "the baseline has no report of " + quoted(spec),
-                    specs.empty() ? "no report" : "reports of " + specs,
-                    "write it anew with all specs: qerr check SPEC... --format json -o OLD.json"});
+  throw Error({baselines.empty() ? "" : baselines.front().figures.file}, "reports",
+              "the baseline has no report of " + quoted(spec),
+              specs.empty() ? "no report" : "reports of " + specs,
+              "write it anew with all specs: qerr check SPEC... --format json -o OLD.json");
 }
 
 BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {

@@ -69,7 +69,7 @@ class ReportMember {
   double number_or(double of_null) const { return is_null() ? of_null : number(); }
 
   Error fault(const std::string& rule, const std::string& found, const std::string& remedy) const {
-    return Error(Fault{{*file_}, path_, rule, found, remedy});
+    return Error({*file_}, path_, rule, found, remedy);
   }
 
  private:
@@ -276,11 +276,8 @@ void read_report(const Json& json, const std::string& command, NamedFigures& to)
 NamedFigures figures_of(const Json& json, const std::string& file) {
   const auto is_text = [&](const char* name) { return json.contains(name) && json.at(name).is_string(); };
   if (!is_text("qerr") || !is_text("command"))
-    throw Error(Fault{{file, 1, 1},
-                      "",
-                      "this is no report of qerr, which begins with its version and command",
-                      "",
-                      "write one with: qerr analyze SPEC -o FILE.json"});
+    throw Error({file, 1, 1}, "", "this is no report of qerr, which begins with its version and command", "",
+                "write one with: qerr analyze SPEC -o FILE.json");
   NamedFigures figures;
   figures.file = file;
   figures.command = json.at("command");

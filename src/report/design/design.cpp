@@ -380,8 +380,8 @@ class DesignJob {
   void make_front(const DesignQuery& query, const FoundDesign& best) {
     auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
     if (pareto_ && !requirement(*p).limits_error())
-      throw Error(Fault{requirement(*p).place, "--pareto", "encoders do not change a figure of a filter",
-                        quoted(requirement(*p).name()), "name an error, such as position.xyz.sigma"},
+      throw Error(requirement(*p).place, "--pareto", "encoders do not change a figure of a filter",
+                  quoted(requirement(*p).name()), "name an error, such as position.xyz.sigma",
                   Trouble::usage);
     if (p && sampled_maximum_.contains(*p)) p = sampled_maximum_.at(*p);
     if (!p || !requirement(*p).limits_error() || encoders_of(best.choice).empty()) return;

@@ -1,5 +1,3 @@
-#include "report/design/design_problem.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "input/read_sections.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/design/design_solver.hpp"
 
 namespace qerr {
 

@@ -1,15 +1,13 @@
-#include "report/design/figure_sums.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "control/figures.hpp"
+#include "control/control.hpp"
 #include "control/loop_response.hpp"
-#include "control/walls.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/design/design_solver.hpp"
 
 namespace qerr {
 

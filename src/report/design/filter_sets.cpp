@@ -215,9 +215,8 @@ double log_noise(const FilterSet& set) {
 
 void require_few(std::size_t sets, const Place& place, const std::string& key) {
   if (sets > most_sets)
-    throw Error(Fault{place, key,
-                      "gives more than 2000 combinations of filters and gains that none excels in all",
-                      counted(sets, "combination"), "narrow families, orders, cut-offs or gains"});
+    throw Error(place, key, "gives more than 2000 combinations of filters and gains that none excels in all",
+                counted(sets, "combination"), "narrow families, orders, cut-offs or gains");
 }
 
 /// All sets with each value of a gain.

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "qerr/report/design_report.hpp"
-#include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/text_table.hpp"

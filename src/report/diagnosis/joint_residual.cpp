@@ -1,5 +1,3 @@
-#include "report/diagnosis/joint_residual.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +7,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
-#include "report/fourier.hpp"
+#include "report/page/plot.hpp"
 #include "report/rows.hpp"
 
 namespace qerr {
@@ -114,12 +112,8 @@ Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
   if (!grid.repeats) grid.from = e.measured.minCoeff(), grid.to = e.measured.maxCoeff();
   const double intervals = std::ceil(points * (grid.to - grid.from) / shortest_period);
   if (!(intervals < most_rows))
-    throw Error(Fault{{},
-                      "--write-table",
-                      "the table of joint '" + e.joint + "' would have too many rows",
-                      shortest(intervals),
-                      "the effects' periods are too short for a table"},
-                Trouble::usage);
+    throw Error("--write-table", "the table of joint '" + e.joint + "' would have too many rows",
+                shortest(intervals), "the effects' periods are too short for a table", Trouble::usage);
   grid.intervals = static_cast<std::size_t>(std::max(intervals, 64.0));
   return grid;
 }

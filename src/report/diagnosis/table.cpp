@@ -7,7 +7,6 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
-#include "report/text_picture.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

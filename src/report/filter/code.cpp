@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
-#include "filter/norms/recursion_error.hpp"
+#include "filter/norms/numerical_error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/report/filter_report.hpp"
@@ -268,11 +268,10 @@ std::string ros_code(const FilterReport& report) {
     try {
       filter_from_sections(rows, filter.sample_rate, filter.derivative);
     } catch (const Error&) {
-      throw Error(Fault{{report.spec.file, 0, 0},
-                        "filters." + f.figures.name,
-                        "the filter is too slow for coefficients in powers of z^-1, as doubles",
-                        "largest pole modulus 1 - " + significant(1 - f.figures.poles_max_modulus, 3),
-                        "write it as c or python"});
+      throw Error({report.spec.file, 0, 0}, "filters." + f.figures.name,
+                  "the filter is too slow for coefficients in powers of z^-1, as doubles",
+                  "largest pole modulus 1 - " + significant(1 - f.figures.poles_max_modulus, 3),
+                  "write it as c or python");
     }
     for (const auto& s : rows)
       add(shortest(s[3]) + ", " + shortest(s[4]) + ", " + shortest(s[5]),

@@ -8,7 +8,7 @@
 
 #include "bound/noise_in_motion.hpp"
 #include "core/text.hpp"
-#include "filter/norms/transient.hpp"
+#include "filter/norms/autocorrelation.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -170,11 +170,10 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
     for (const double f : q.frequencies) highest = std::max(highest, f);
     for (const MotionQuestion& m : q.motions) highest = std::max(highest, m.frequency);
     if (highest > 0.5 * named.filter.sample_rate)
-      throw Error({{spec.file, 0, 0},
-                   "filters." + named.name + ".sample_rate",
-                   "a frequency that the command line asks for lies above half of the sample rate",
-                   shortest(highest) + " Hz at " + shortest(named.filter.sample_rate) + " Hz",
-                   "ask for frequencies up to " + shortest(0.5 * named.filter.sample_rate) + " Hz"},
+      throw Error({spec.file, 0, 0}, "filters." + named.name + ".sample_rate",
+                  "a frequency that the command line asks for lies above half of the sample rate",
+                  shortest(highest) + " Hz at " + shortest(named.filter.sample_rate) + " Hz",
+                  "ask for frequencies up to " + shortest(0.5 * named.filter.sample_rate) + " Hz",
                   Trouble::usage);
     report.filters.push_back(figures_of(named, q));
   }

@@ -10,7 +10,6 @@
 #include "design/filter_choice.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"

@@ -5,7 +5,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/design/requirement.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"

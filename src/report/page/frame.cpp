@@ -8,7 +8,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/text_picture.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::page {
 

@@ -1,5 +1,3 @@
-#include "report/page/heat_map.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -24,7 +24,7 @@ struct Page {
   std::vector<PageSection> sections;
   std::vector<std::string> warnings = {};
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
-  std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
+  std::string about = {};                      ///< markup below the answer (report/analysis/tables.hpp)
   std::string report = {};                     ///< JSON of the command, for scripts that read the page
 
   /// A further section, unless it is empty.

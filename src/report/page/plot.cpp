@@ -3,9 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unsupported/Eigen/FFT>
 
 #include "core/text.hpp"
 #include "report/page/frame.hpp"
+
+namespace qerr {
+
+std::vector<std::complex<double>> half_spectrum(const std::vector<double>& values) {
+  Eigen::FFT<double> transform;
+  transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  std::vector<std::complex<double>> spectrum;
+  transform.fwd(spectrum, values);
+  return spectrum;
+}
+
+}  // namespace qerr
 
 namespace qerr::page {
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -97,3 +98,11 @@ struct Bars {
 std::string figure(const Bars&);
 
 }  // namespace qerr::page
+
+namespace qerr {
+
+/// sum_k values[k] e^{-2 pi i n k / N} for n = 0 .. N/2, N the number of values.
+/// @pre N is even
+std::vector<std::complex<double>> half_spectrum(const std::vector<double>& values);
+
+}  // namespace qerr

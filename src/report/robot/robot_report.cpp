@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/sha256.hpp"
+#include "core/run_files.hpp"
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
 #include "input/read_sections.hpp"
@@ -44,15 +44,14 @@ PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vec
   for (const std::string& text : values) {
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos)
-      throw Error(
-          Fault{{}, "--at", "needs a joint and its value", quoted(text), "write --at q1=30deg,q2=0.1"});
+      throw Error("--at", "needs a joint and its value", quoted(text), "write --at q1=30deg,q2=0.1");
     const std::size_t index = find_joint(robot, chain, text.substr(0, sign), {}, "--at");
     const IndependentJoint& joint = at.joints[index].first;
     const Dimension dimension = joint.prismatic() ? dimension::length : dimension::angle;
     std::string why;
     const auto value = parse_quantity(text.substr(sign + 1), why);
     if (!value || value->dimension.value_or(dimension) != dimension)
-      throw Error(Fault{{}, "--at", "must be " + name_of(dimension), quoted(text), unit_remedy(dimension)});
+      throw Error("--at", "must be " + name_of(dimension), quoted(text), unit_remedy(dimension));
     at.joints[index].second = value->value;
     const double free = joint.prismatic() ? std::numeric_limits<double>::infinity() : 2 * std::numbers::pi;
     const Limits limits = joint.limits.value_or(Limits{-free, free});

@@ -14,7 +14,7 @@
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/estimators/estimator.hpp"
-#include "simulate/settling.hpp"
+#include "simulate/unrounded_record.hpp"
 #include "simulate/velocity_comparison.hpp"
 
 namespace qerr {

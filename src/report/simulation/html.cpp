@@ -1,17 +1,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "core/text.hpp"
-#include "report/analysis/about.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
-#include "report/fourier.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/simulation/parts.hpp"

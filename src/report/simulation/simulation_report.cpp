@@ -11,7 +11,6 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
@@ -19,7 +18,7 @@
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/sensing.hpp"
-#include "simulate/settling.hpp"
+#include "simulate/unrounded_record.hpp"
 
 namespace qerr {
 

@@ -121,11 +121,10 @@ class WideColumns {
   std::size_t index(const std::string& name, const SweepGrid& grid, std::uint64_t variant) const {
     const auto found = index_.find(name);
     if (found != index_.end()) return found->second;
-    throw Error({{},
-                 "sweep",
-                 "variant " + std::to_string(variant) + " has a figure that no variant with one change has",
-                 quoted(name) + " where " + grid.description(variant),
-                 "leave out --wide: a row for each figure has room for it"});
+    throw Error("sweep",
+                "variant " + std::to_string(variant) + " has a figure that no variant with one change has",
+                quoted(name) + " where " + grid.description(variant),
+                "leave out --wide: a row for each figure has room for it");
   }
 
  private:

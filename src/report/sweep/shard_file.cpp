@@ -1,5 +1,3 @@
-#include "report/sweep/shard_file.hpp"
-
 #include <algorithm>
 #include <charconv>
 
@@ -80,7 +78,7 @@ SweepCounts ShardFile::resume(bool judged) {
 
 void ShardFile::refuse(const std::string& rule, const std::string& found, std::uint64_t line,
                        const std::string& remedy) const {
-  throw Error(Fault{{file_.path(), static_cast<int>(line), 0}, "--resume", rule, found, remedy});
+  throw Error({file_.path(), static_cast<int>(line), 0}, "--resume", rule, found, remedy);
 }
 
 void ShardFile::refuse_other(const RunRecord& held) const {

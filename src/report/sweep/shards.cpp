@@ -8,10 +8,9 @@
 #include <map>
 
 #include "core/run_files.hpp"
-#include "core/sha256.hpp"
 #include "core/text.hpp"
-#include "input/byte_source.hpp"
 #include "input/spec_format.hpp"
+#include "input/text_source.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/write.hpp"
 
@@ -270,7 +269,7 @@ class ShardReader {
 
   [[noreturn]] void refuse(const std::string& rule, const std::string& remedy, std::uint64_t line = 0,
                            const std::string& found = {}) const {
-    throw Error(Fault{{path_, static_cast<int>(line), 0}, "", rule, found, remedy});
+    throw Error({path_, static_cast<int>(line), 0}, "", rule, found, remedy);
   }
 
  private:

@@ -8,7 +8,6 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"

@@ -52,12 +52,11 @@ class AdaptiveKalman {
 EstimatorKind adaptive_kalman_estimator() {
   return {"adaptive_kalman",
           "a Kalman filter of position and velocity whose process noise follows the innovations",
-          {{.name = "adaptation",
-            .meaning = "by how much of the innovation's excess the logarithm of the process noise changes a "
-                       "sample",
-            .fallback = 0.05,
-            .least = 0,
-            .most = 1}},
+          {key::number(
+               "adaptation",
+               "by how much of the innovation's excess the logarithm of the process noise changes a sample")
+               .otherwise(0.05)
+               .within(0, 1)},
           [](const EstimatorDesign& d, const Counter& c) {
             return VelocityEstimate(AdaptiveKalman(d, c.period));
           }};

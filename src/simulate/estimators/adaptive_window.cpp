@@ -59,20 +59,9 @@ EstimatorKind adaptive_window_estimator() {
   return {
       "adaptive_window",
       "the longest window in which a line fits all samples within a band",
-      {{.name = "longest",
-        .kind = Kind::integer,
-        .meaning = "samples from the oldest to the newest",
-        .fallback = 16,
-        .least = 1,
-        .most = 10000},
-       {.name = "band",
-        .meaning = "distance of the samples from the line, in counts",
-        .fallback = 1,
-        .least = 0},
-       {.name = "fit",
-        .kind = Kind::choice,
-        .meaning = "through the ends, or least squares",
-        .choices = "end|line"}},
+      {key::integer("longest", "samples from the oldest to the newest").otherwise(16).within(1, 10000),
+       key::number("band", "distance of the samples from the line, in counts").otherwise(1).from(0),
+       key::choice("fit", "end|line", "through the ends, or least squares")},
       [](const EstimatorDesign& d, const Counter& c) { return VelocityEstimate(LongestLine(d, c.period)); }};
 }
 

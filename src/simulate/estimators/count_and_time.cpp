@@ -50,14 +50,8 @@ class CountedEdges {
 EstimatorKind count_and_time_estimator() {
   return {"count_and_time",
           "M/T: the counts of a window over the time from the last edge before it to its last edge",
-          {{.name = "window",
-            .dimension = dimension::time,
-            .meaning = "in which edges are counted",
-            .required = true,
-            .least = 0,
-            .open_below = true},
-           clock_row(),
-           timeout_row()},
+          {key::number("window", "in which edges are counted", dimension::time).above(0).needed(),
+           clock_row(), timeout_row()},
           [](const EstimatorDesign& d, const Counter&) { return VelocityEstimate(CountedEdges(d)); },
           true};
 }

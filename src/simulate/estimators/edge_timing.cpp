@@ -45,10 +45,8 @@ EstimatorKind edge_timing_estimator() {
   return {"edge_timing",
           "one count (or a line) over the time between its edges; decays as the time without an edge grows",
           {clock_row(),
-           {.name = "edges",
-            .kind = Kind::choice,
-            .meaning = "the last two, or a whole line apart, which unequal states do not change",
-            .choices = "all|line"},
+           key::choice("edges", "all|line",
+                       "the last two, or a whole line apart, which unequal states do not change"),
            timeout_row()},
           [](const EstimatorDesign& d, const Counter& c) {
             return VelocityEstimate(TimedEdges(d, std::max(1.0, c.counts_per_line)));

@@ -34,11 +34,9 @@ EstimatorKind held_difference_estimator() {
   return {
       "held_difference",
       "a low-pass of the difference to the last change, updated only when the count has changed (SimpleFOC)",
-      {{.name = "time_constant",
-        .dimension = dimension::time,
-        .meaning = "T_f of the low-pass; 0: none",
-        .fallback = 0.005,
-        .least = 0}},
+      {key::number("time_constant", "T_f of the low-pass; 0: none", dimension::time)
+           .otherwise(0.005)
+           .from(0)},
       [](const EstimatorDesign& d, const Counter&) { return VelocityEstimate(HeldDifference(d)); }};
 }
 

@@ -32,11 +32,9 @@ class SlidingMode {
 EstimatorKind robust_differentiator_estimator() {
   return {"robust_differentiator",
           "Levant's sliding mode: exact in continuous time for accelerations up to a bound, without noise",
-          {{.name = "acceleration",
-            .meaning = "L, bound of the joint's acceleration [rad/s^2 or m/s^2]",
-            .required = true,
-            .least = 0,
-            .open_below = true}},
+          {key::number("acceleration", "L, bound of the joint's acceleration [rad/s^2 or m/s^2]")
+               .above(0)
+               .needed()},
           [](const EstimatorDesign& d, const Counter& c) {
             return VelocityEstimate(SlidingMode(d.numbers.at("acceleration") / c.resolution, c.period));
           }};

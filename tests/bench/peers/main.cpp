@@ -25,7 +25,7 @@ struct Arguments {
 };
 
 [[noreturn]] void refuse(const std::string& rule, const std::string& found, const std::string& remedy) {
-  throw Error({{"", 0, 0}, "", rule, "'" + found + "'", remedy}, Trouble::usage);
+  throw Error({"", 0, 0}, "", rule, "'" + found + "'", remedy, Trouble::usage);
 }
 
 /// The peaks of the requested instruction sets, or of all that this machine supports.

@@ -4,7 +4,6 @@
 
 #include "bound/batched_error.hpp"
 #include "counted.hpp"
-#include "kinematics/batched_jacobian.hpp"
 #include "kinematics/folded_chain.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"

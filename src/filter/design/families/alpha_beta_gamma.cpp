@@ -1,4 +1,4 @@
-#include "filter/design/families/tracking.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {
@@ -19,13 +19,11 @@ Filter design(const FilterDesign& wanted) {
                      beta = checked_number(wanted, "beta", 0, 4),
                      gamma = checked_number(wanted, "gamma", 0, 16);
   if (!stable(alpha, beta, gamma)) {
-    throw Error(
-        Fault{{},
-              "gamma",
-              "the filter is not stable: it needs gamma > 0, 2 alpha + beta < 4 and alpha (4 beta + "
-              "gamma) > 2 gamma",
-              "alpha " + figure(alpha.hi) + ", beta " + figure(beta.hi) + ", gamma " + figure(gamma.hi),
-              "use smaller gains, gamma the smallest"});
+    throw Error("gamma",
+                "the filter is not stable: it needs gamma > 0, 2 alpha + beta < 4 and alpha (4 beta + gamma) "
+                "> 2 gamma",
+                "alpha " + figure(alpha.hi) + ", beta " + figure(beta.hi) + ", gamma " + figure(gamma.hi),
+                "use smaller gains, gamma the smallest");
   }
   const DoubleDouble half = DoubleDouble(0.5) * gamma, two = 2, four = 4;
   return tracking_filter(
@@ -35,20 +33,15 @@ Filter design(const FilterDesign& wanted) {
 }  // namespace
 
 FilterFamily alpha_beta_gamma_family() {
-  return {"alpha_beta_gamma",
-          "estimates position, velocity or acceleration itself: x += alpha r, v += beta r/T, a += gamma "
-          "r/(2 T^2) (Kalata), r the residual of the prediction; no lag at constant acceleration, the "
-          "acceleration late by (2 beta/gamma - 1/2) T under jerk",
-          {position_gain_row(),
-           velocity_gain_row(),
-           {.name = "gamma",
-            .kind = Kind::number,
-            .meaning = "gain of the acceleration; alpha (4 beta + gamma) > 2 gamma",
-            .least = 0,
-            .most = 16,
-            .open_below = true},
-           tracking_index_row()},
-          design};
+  return {
+      "alpha_beta_gamma",
+      "estimates position, velocity or acceleration itself: x += alpha r, v += beta r/T, a += gamma "
+      "r/(2 T^2) (Kalata), r the residual of the prediction; no lag at constant acceleration, the "
+      "acceleration late by (2 beta/gamma - 1/2) T under jerk",
+      {position_gain_row(), velocity_gain_row(),
+       key::number("gamma", "gain of the acceleration; alpha (4 beta + gamma) > 2 gamma").above(0).up_to(16),
+       tracking_index_row()},
+      design};
 }
 
 }  // namespace qerr

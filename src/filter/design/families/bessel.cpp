@@ -1,7 +1,5 @@
-#include <algorithm>
-#include <cmath>
 
-#include "filter/design/families/prototype.hpp"
+#include "filter/design/families/families.hpp"
 #include "filter/design/polynomial.hpp"
 
 namespace qerr {
@@ -55,15 +53,13 @@ Filter design(const FilterDesign& wanted) {
 }  // namespace
 
 FilterFamily bessel_family() {
-  return {"bessel",
-          "back differences, then a Bessel low-pass (bilinear, pre-warped): maximally flat group delay",
-          {order_row(2),
-           cutoff_row("frequency of the analog prototype's 1 rad/s, below half the sample rate"),
-           {.name = "normalization",
-            .kind = Kind::choice,
-            .meaning = "meaning of the cut-off: midpoint of the phase, 1/(2 pi delay), or -3 dB",
-            .choices = "phase|delay|magnitude"}},
-          design};
+  return {
+      "bessel",
+      "back differences, then a Bessel low-pass (bilinear, pre-warped): maximally flat group delay",
+      {order_row(2), cutoff_row("frequency of the analog prototype's 1 rad/s, below half the sample rate"),
+       key::choice("normalization", "phase|delay|magnitude",
+                   "meaning of the cut-off: midpoint of the phase, 1/(2 pi delay), or -3 dB")},
+      design};
 }
 
 }  // namespace qerr

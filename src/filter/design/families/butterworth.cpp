@@ -1,4 +1,4 @@
-#include "filter/design/families/prototype.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {

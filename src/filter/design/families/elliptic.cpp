@@ -1,7 +1,6 @@
-#include <algorithm>
 
-#include "filter/design/families/prototype.hpp"
-#include "filter/norms/ball.hpp"
+#include "filter/design/families/families.hpp"
+#include "filter/norms/multiprecision.hpp"
 
 namespace qerr {
 namespace {
@@ -83,11 +82,9 @@ Filter design(const FilterDesign& wanted) {
   const double ripple = checked_number(wanted, "ripple", 0, 60, 1.0);
   const double attenuation = checked_number(wanted, "attenuation", 0, 300, 40.0);
   if (!(attenuation > ripple)) {
-    throw Error(Fault{{},
-                      "attenuation",
-                      "the attenuation must exceed the ripple",
-                      figure(attenuation) + " dB with a ripple of " + figure(ripple) + " dB",
-                      "e.g. ripple: 1, attenuation: 40"});
+    throw Error("attenuation", "the attenuation must exceed the ripple",
+                figure(attenuation) + " dB with a ripple of " + figure(ripple) + " dB",
+                "e.g. ripple: 1, attenuation: 40");
   }
   return bilinear_lowpass(wanted, prototype_of(order, ripple, attenuation));
 }

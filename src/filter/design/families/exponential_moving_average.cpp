@@ -1,6 +1,5 @@
-#include <cmath>
 
-#include "filter/design/families/prototype.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {
@@ -21,7 +20,7 @@ DoubleDouble slope_of(const FilterDesign& wanted) {
     }
     default: {
       const double span = wanted.numbers.at("span");
-      if (!(span >= 1)) throw Error(Fault{{}, "span", "is out of range", figure(span), "at least 1"});
+      if (!(span >= 1)) throw Error("span", "is out of range", figure(span), "at least 1");
       return span;
     }
   }
@@ -44,19 +43,9 @@ FilterFamily exponential_moving_average_family() {
       "exponential_moving_average",
       "back differences, then y_k = alpha x_k + (1 - alpha) y_(k-1), given by one of alpha, time_constant, "
       "span (as in pandas)",
-      {{.name = "alpha",
-        .kind = Kind::number,
-        .meaning = "weight of the newest sample",
-        .least = 0,
-        .most = 1,
-        .open_below = true},
-       {.name = "time_constant",
-        .kind = Kind::number,
-        .dimension = dimension::time,
-        .meaning = "alpha = 1 - exp(-T/time_constant)",
-        .least = 0,
-        .open_below = true},
-       {.name = "span", .kind = Kind::number, .meaning = "alpha = 2/(span + 1)", .least = 1}},
+      {key::number("alpha", "weight of the newest sample").above(0).up_to(1),
+       key::number("time_constant", "alpha = 1 - exp(-T/time_constant)", dimension::time).above(0),
+       key::number("span", "alpha = 2/(span + 1)").from(1)},
       design};
 }
 

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "filter/design/families/families.hpp"
@@ -64,18 +63,10 @@ FilterFamily finite_difference_family() {
       "finite_difference",
       "estimates the derivative itself: ((1 - z^-m)/(m T))^derivative over a span of m samples, late by "
       "derivative m T/2; with more accuracy the derivative of the polynomial through that many points more",
-      {{.name = "span",
-        .kind = Kind::integer,
-        .meaning = "samples m between the points",
-        .fallback = 1,
-        .least = 1,
-        .most = max_span},
-       {.name = "accuracy",
-        .kind = Kind::integer,
-        .meaning = "order of the error in T: 1 is the plain difference, 2 has no delay, ...",
-        .fallback = 1,
-        .least = 1,
-        .most = max_accuracy}},
+      {key::integer("span", "samples m between the points").otherwise(1).within(1, max_span),
+       key::integer("accuracy", "order of the error in T: 1 is the plain difference, 2 has no delay, ...")
+           .otherwise(1)
+           .within(1, max_accuracy)},
       design};
 }
 

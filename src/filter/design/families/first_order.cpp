@@ -1,4 +1,4 @@
-#include "filter/design/families/prototype.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {
@@ -11,11 +11,8 @@ Real inverse_pole(const std::string& discretization, const Real& x) {
   if (discretization == "tustin") return 2 / x;
   if (discretization == "prewarped") return cos(x / 2) / sin(x / 2);
   if (discretization == "backward_euler") return 1 + 2 / x;
-  throw Error(Fault{{},
-                    "discretization",
-                    "unknown discretization",
-                    "'" + escaped(discretization) + "'",
-                    "use matched, tustin, prewarped or backward_euler"});
+  throw Error("discretization", "unknown discretization", "'" + escaped(discretization) + "'",
+              "use matched, tustin, prewarped or backward_euler");
 }
 
 Filter design(const FilterDesign& wanted) {
@@ -44,17 +41,11 @@ Filter design(const FilterDesign& wanted) {
 FilterFamily first_order_family() {
   return {"first_order",
           "back differences, then one-pole low-passes (1 - a)/(1 - a z^-1), a = exp(-2 pi f0 T)",
-          {{.name = "order",
-            .kind = Kind::integer,
-            .meaning = "number of low-pass sections; 0: differences only",
-            .fallback = 1,
-            .least = 0,
-            .most = max_order},
+          {key::integer("order", "number of low-pass sections; 0: differences only")
+               .otherwise(1)
+               .within(0, max_order),
            cutoff_row("cut-off f0 of each section, below half the sample rate"),
-           {.name = "discretization",
-            .kind = Kind::choice,
-            .meaning = "of the pole 2 pi f0",
-            .choices = "matched|tustin|prewarped|backward_euler"}},
+           key::choice("discretization", "matched|tustin|prewarped|backward_euler", "of the pole 2 pi f0")},
           design,
           {1, 2, 3, 4}};
 }

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "filter/design/families/tracking.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {
@@ -19,12 +19,10 @@ Filter design(const FilterDesign& wanted) {
   const double sigma = checked_number(wanted, "measurement_noise", 0, INFINITY);
   const double ratio = std::sqrt(intensity) * std::pow(wanted.sample_rate, 0.5 - states) / sigma;
   if (!(ratio > 1e-30 && ratio < 1e15)) {
-    throw Error(Fault{
-        {},
-        "process_noise",
-        "the filter leaves the range of double precision",
+    throw Error(
+        "process_noise", "the filter leaves the range of double precision",
         "sqrt(process_noise T^" + std::to_string(2 * states - 1) + ")/measurement_noise = " + figure(ratio),
-        "bring process and measurement noise closer together"});
+        "bring process and measurement noise closer together");
   }
   return tracking_filter(wanted, spectral_factor(continuous_noise(states, ratio)));
 }
@@ -39,22 +37,15 @@ FilterFamily kalman_family() {
       "motion as in the model; its highest derivative is late by (alpha/beta - 1/2) T (velocity) or (2 "
       "beta/gamma - "
       "1/2) T (acceleration) while that changes",
-      {{.name = "model",
-        .kind = Kind::choice,
-        .meaning = "state that is constant up to the process noise",
-        .choices = "constant_velocity|constant_acceleration"},
-       {.name = "process_noise",
-        .kind = Kind::number,
-        .meaning =
-            "intensity of the white acceleration [unit^2/s^3], or of the white jerk [unit^2/s^5], unit: m "
-            "or rad",
-        .least = 0,
-        .open_below = true},
-       {.name = "measurement_noise",
-        .kind = Kind::number,
-        .meaning = "sigma of the measured coordinate [m or rad]; goes with process_noise",
-        .least = 0,
-        .open_below = true},
+      {key::choice("model", "constant_velocity|constant_acceleration",
+                   "state that is constant up to the process noise"),
+       key::number("process_noise",
+                   "intensity of the white acceleration [unit^2/s^3], or of the white jerk [unit^2/s^5], "
+                   "unit: m or rad")
+           .above(0),
+       key::number("measurement_noise",
+                   "sigma of the measured coordinate [m or rad]; goes with process_noise")
+           .above(0),
        tracking_index_row()},
       design};
 }

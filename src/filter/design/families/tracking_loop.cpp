@@ -1,6 +1,5 @@
-#include <cmath>
 
-#include "filter/design/families/tracking.hpp"
+#include "filter/design/families/families.hpp"
 
 namespace qerr {
 namespace {
@@ -22,11 +21,10 @@ Filter design(const FilterDesign& wanted) {
   const DoubleDouble beta = DoubleDouble(ki) * DoubleDouble(period) * DoubleDouble(period);
   const DoubleDouble rest = DoubleDouble(4) - DoubleDouble(2 * alpha) - beta;
   if (!(rest.hi > 4e-16))
-    throw Error(Fault{{},
-                      group == 2 ? "kp" : "bandwidth",
-                      "the loop is not stable at the sample rate: it needs 2 kp T + ki T^2 < 4",
-                      "kp T " + figure(alpha) + ", ki T^2 " + figure(static_cast<double>(beta)),
-                      "use smaller gains, or a higher sample rate"});
+    throw Error(group == 2 ? "kp" : "bandwidth",
+                "the loop is not stable at the sample rate: it needs 2 kp T + ki T^2 < 4",
+                "kp T " + figure(alpha) + ", ki T^2 " + figure(static_cast<double>(beta)),
+                "use smaller gains, or a higher sample rate");
   return tracking_filter(wanted, {beta, DoubleDouble(2 * alpha), rest});
 }
 
@@ -38,17 +36,10 @@ FilterFamily tracking_loop_family() {
       "estimates position or velocity itself, as drives (ODrive, VESC, moteus) do: the prediction x + T v, "
       "with the residual r, is corrected by x += T kp r, v += T ki r; kp = 2 damping bandwidth, ki = "
       "bandwidth^2; v is late by about kp/ki under acceleration",
-      {{.name = "bandwidth",
-        .dimension = dimension::angular_speed,
-        .meaning = "natural frequency of the loop, in rad/s",
-        .least = 0,
-        .open_below = true},
-       {.name = "damping",
-        .meaning = "damping ratio; 1, critical, if absent",
-        .least = 0,
-        .open_below = true},
-       {.name = "kp", .meaning = "in place of bandwidth [1/s]", .least = 0, .open_below = true},
-       {.name = "ki", .meaning = "with kp [1/s^2]", .least = 0, .open_below = true}},
+      {key::number("bandwidth", "natural frequency of the loop, in rad/s", dimension::angular_speed).above(0),
+       key::number("damping", "damping ratio; 1, critical, if absent").above(0),
+       key::number("kp", "in place of bandwidth [1/s]").above(0),
+       key::number("ki", "with kp [1/s^2]").above(0)},
       design};
 }
 

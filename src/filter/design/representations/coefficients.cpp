@@ -13,14 +13,13 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 }  // namespace
 
 FilterRepresentation coefficients_representation() {
-  return {
-      "coefficients",
-      "in place of lowpass: numerator and denominator of a transfer function, b and a of "
-      "scipy.signal.lfilter",
-      {.name = "numerator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
-      {},
-      {{.name = "denominator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"}},
-      build};
+  return {"coefficients",
+          "in place of lowpass: numerator and denominator of a transfer function, b and a of "
+          "scipy.signal.lfilter",
+          key::numbers("numerator", "coefficients in ascending powers of z^-1"),
+          {},
+          {key::numbers("denominator", "coefficients in ascending powers of z^-1")},
+          build};
 }
 
 }  // namespace qerr

@@ -1,10 +1,8 @@
-#include "filter/design/representations/factors.hpp"
-
 #include <algorithm>
 #include <array>
 
 #include "filter/design/representations/representations.hpp"
-#include "filter/norms/deviation.hpp"
+#include "filter/norms/numerical_error.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {

@@ -25,21 +25,14 @@ FilterRepresentation ros_transfer_function_representation() {
       "ros_transfer_function",
       "in place of lowpass: an unchanged entry of a ROS filter chain, a[0] y_k = sum b[i] x_(k-i) - sum "
       "a[i] y_(k-i)",
-      {.name = "params", .kind = Kind::object, .meaning = "a and b of a ROS transfer function filter"},
-      {{.name = "a",
-        .kind = Kind::numbers,
-        .meaning = "denominator in ascending powers of z^-1",
-        .required = true},
-       {.name = "b",
-        .kind = Kind::numbers,
-        .meaning = "numerator in ascending powers of z^-1",
-        .required = true}},
-      {{.name = "type",
-        .kind = Kind::choice,
-        .meaning = "of the ROS filter",
-        .required = true,
-        .choices = "filters/TransferFunctionFilterDouble|filters/MultiChannelTransferFunctionFilterDouble"},
-       {.name = "name", .kind = Kind::text, .meaning = "of the ROS filter; not used"}},
+      key::object("params", "a and b of a ROS transfer function filter"),
+      {key::numbers("a", "denominator in ascending powers of z^-1").needed(),
+       key::numbers("b", "numerator in ascending powers of z^-1").needed()},
+      {key::choice("type",
+                   "filters/TransferFunctionFilterDouble|filters/MultiChannelTransferFunctionFilterDouble",
+                   "of the ROS filter")
+           .needed(),
+       key::text("name", "of the ROS filter; not used")},
       build};
 }
 

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "filter/design/families/families.hpp"
-#include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
 namespace qerr {
@@ -57,14 +56,11 @@ struct SpecifiedSection {
 
 SpecifiedSection section_of(const std::vector<double>& row, const std::string& key) {
   if (row.size() != 6) {
-    throw Error(Fault{{},
-                      key,
-                      "a section has six numbers",
-                      "a list of " + std::to_string(row.size()),
-                      "write [b0, b1, b2, a0, a1, a2]"});
+    throw Error(key, "a section has six numbers", "a list of " + std::to_string(row.size()),
+                "write [b0, b1, b2, a0, a1, a2]");
   }
   const Triple b{row[0], row[1], row[2]}, a{row[3], row[4], row[5]};
-  if (a[0] == 0) throw Error(Fault{{}, key, "a0 must not be 0", "0", "write [b0, b1, b2, 1, a1, a2]"});
+  if (a[0] == 0) throw Error(key, "a0 must not be 0", "0", "write [b0, b1, b2, 1, a1, a2]");
   if (!stable(section_in_w(b, a), a)) throw unstable(key, largest_modulus(a));
   return {b, a};
 }
@@ -101,11 +97,8 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
   check_sample_rate(sample_rate);
   check_derivative(derivative);
   if (sos.empty() || sos.size() > max_sections) {
-    throw Error(Fault{{},
-                      "sos",
-                      "needs 1 to " + std::to_string(max_sections) + " sections",
-                      std::to_string(sos.size()),
-                      "write [[b0, b1, b2, a0, a1, a2], ...]"});
+    throw Error("sos", "needs 1 to " + std::to_string(max_sections) + " sections", std::to_string(sos.size()),
+                "write [[b0, b1, b2, a0, a1, a2], ...]");
   }
   check_finite(sos, "sos");
   std::vector<SpecifiedSection> specified;

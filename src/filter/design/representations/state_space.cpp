@@ -4,7 +4,6 @@
 
 #include "filter/design/families/families.hpp"
 #include "filter/design/ratio.hpp"
-#include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
 namespace qerr {
@@ -96,12 +95,10 @@ std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const B
 }
 
 Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
-  return Error(Fault{{},
-                     key,
-                     rule,
-                     std::to_string(found.size()) + " rows, the first of " +
-                         std::to_string(found.empty() ? 0 : found[0].size()),
-                     "write {A: [[a11, a12], [a21, a22]], B: [b1, b2], C: [c1, c2], D: d}"});
+  return Error(key, rule,
+               std::to_string(found.size()) + " rows, the first of " +
+                   std::to_string(found.empty() ? 0 : found[0].size()),
+               "write {A: [[a11, a12], [a21, a22]], B: [b1, b2], C: [c1, c2], D: d}");
 }
 
 /// The largest sum of absolute values in a row of A.
@@ -116,7 +113,7 @@ double largest_row_sum(const Rows& a) {
     for (const double x : row) sum += std::abs(x);
     size = std::max(size, sum);
   }
-  if (size > 1e10) throw Error(Fault{{}, "A", "the numbers are too large", figure(size), "scale the states"});
+  if (size > 1e10) throw Error("A", "the numbers are too large", figure(size), "scale the states");
   return size;
 }
 
@@ -183,7 +180,7 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
 FilterRepresentation state_space_representation() {
   return {"state_space",
           "in place of lowpass: x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k",
-          {.name = "state_space", .kind = Kind::object, .meaning = "one input, one output"},
+          key::object("state_space", "one input, one output"),
           {{.name = "A", .kind = Kind::matrix, .meaning = "rows of the state matrix", .required = true},
            {.name = "B", .kind = Kind::matrix, .meaning = "one number per state", .required = true},
            {.name = "C", .kind = Kind::matrix, .meaning = "one number per state", .required = true},

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "filter/design/families/families.hpp"
-#include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
 namespace qerr {
@@ -17,11 +16,8 @@ using Root = std::array<double, 2>;
 Root root_of(const std::vector<double>& row, const std::string& key) {
   if (row.size() == 1) return {row[0], 0};
   if (row.size() == 2) return {row[0], row[1]};
-  throw Error(Fault{{},
-                    key,
-                    "must be a number, or a pair for a complex number",
-                    "a list of " + std::to_string(row.size()),
-                    "write 0.9 or [0.9, 0.1]"});
+  throw Error(key, "must be a number, or a pair for a complex number",
+              "a list of " + std::to_string(row.size()), "write 0.9 or [0.9, 0.1]");
 }
 
 /// Real roots and, of each conjugate pair, the upper one.
@@ -39,11 +35,9 @@ std::vector<Root> paired(const Rows& rows, const std::string& key) {
     std::size_t j = i + 1;
     while (j < all.size() && (used[j] || std::hypot(all[j][0] - re, all[j][1] + im) > near)) ++j;
     if (j == all.size()) {
-      throw Error(Fault{{},
-                        key + '[' + std::to_string(i) + ']',
-                        "the conjugate of a complex number is missing",
-                        "[" + figure(re) + ", " + figure(im) + "]",
-                        "add [" + figure(re) + ", " + figure(-im) + "]"});
+      throw Error(key + '[' + std::to_string(i) + ']', "the conjugate of a complex number is missing",
+                  "[" + figure(re) + ", " + figure(im) + "]",
+                  "add [" + figure(re) + ", " + figure(-im) + "]");
     }
     used[j] = true;
     result.push_back({0.5 * (re + all[j][0]), 0.5 * std::abs(im - all[j][1])});
@@ -112,11 +106,10 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
   check_finite({{gain}}, "gain");
   if (zeros.size() > poles.size() || poles.size() > max_poles) {
     const bool many = poles.size() > max_poles;
-    throw Error(Fault{{},
-                      many ? "poles" : "zeros",
-                      many ? "too many poles" : "a causal filter has no more zeros than poles",
-                      std::to_string(zeros.size()) + " zeros, " + std::to_string(poles.size()) + " poles",
-                      many ? "use at most " + std::to_string(max_poles) : "poles at z = 0 are written as 0"});
+    throw Error(many ? "poles" : "zeros",
+                many ? "too many poles" : "a causal filter has no more zeros than poles",
+                std::to_string(zeros.size()) + " zeros, " + std::to_string(poles.size()) + " poles",
+                many ? "use at most " + std::to_string(max_poles) : "poles at z = 0 are written as 0");
   }
   const double largest = check_stable(poles);
   if (gain == 0) return {{}, 1, sample_rate, derivative, {0}};
@@ -141,15 +134,14 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
 }
 
 FilterRepresentation zero_pole_gain_representation() {
-  return {
-      "zero_pole_gain",
-      "in place of lowpass: gain prod(z - zero)/prod(z - pole), as scipy.signal.zpk2sos takes them",
-      {.name = "zpk", .kind = Kind::object, .meaning = "zeros, poles and gain in the z plane"},
-      {{.name = "zeros", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
-       {.name = "poles", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
-       {.name = "gain", .kind = Kind::number, .meaning = "factor of the transfer function", .fallback = 1.0}},
-      {},
-      build};
+  return {"zero_pole_gain",
+          "in place of lowpass: gain prod(z - zero)/prod(z - pole), as scipy.signal.zpk2sos takes them",
+          key::object("zpk", "zeros, poles and gain in the z plane"),
+          {{.name = "zeros", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
+           {.name = "poles", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
+           key::number("gain", "factor of the transfer function").otherwise(1.0)},
+          {},
+          build};
 }
 
 }  // namespace qerr

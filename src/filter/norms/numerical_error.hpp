@@ -1,8 +1,21 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
+#include "filter/norms/multiprecision.hpp"
 #include "filter/run/cascade.hpp"
+#include "qerr/filter/filter.hpp"
 
 namespace qerr {
+
+/// Proven bounds of ||b/a - H|| for the filter H that was computed from the coefficients b, a (ascending in
+/// z^-1, taken as exact); empty unless both are proven stable.
+/// @param modulus  largest pole modulus, approximately
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
+                                      const std::vector<double>& a, double modulus);
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,
+                                      const std::vector<Binary1024>& a, double modulus);
 
 /// The plan of a filter for single precision or fixed point: each section but the last has gain 1 at 0 Hz, or
 /// where it differentiates that of w/k0, so that no signal leaves the range of float.

@@ -1,4 +1,4 @@
-#include "core/physical_range.hpp"
+#include "qerr/core/parameter.hpp"
 
 #include <cmath>
 

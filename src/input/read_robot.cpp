@@ -73,14 +73,13 @@ DhEntry read_entry(const Object& o, std::string_view key, Dimension dimension) {
   }
   const std::string example =
       dimension == dimension::angle ? "30 deg, q2, or q2 - 90 deg" : "300 mm, q3, or q3 + 0.1 m";
-  throw Error(f.fault("must be a quantity, or a joint's variable with an offset", "write " + example));
+  f.refuse("must be a quantity, or a joint's variable with an offset", "write " + example);
 }
 
 /// An angle of the table; one without unit beyond a turn was meant in degrees.
 double within_turn(const Field& f, double angle) {
   if (std::abs(angle) > two_pi)
-    throw Error(f.fault("an angle of a DH table is within a turn; without a unit it is in rad",
-                        "write 90 deg, or pi/2"));
+    f.refuse("an angle of a DH table is within a turn; without a unit it is in rad", "write 90 deg, or pi/2");
   return angle;
 }
 
@@ -107,8 +106,8 @@ DhRow read_row(const Field& f, bool modified) {
   const double a = o.number("a").value_or(0), alpha = o.number("alpha").value_or(0);
   if (o.has("alpha")) within_turn(o.at("alpha"), alpha);
   if (!theta.joint.empty() && !d.joint.empty())
-    throw Error(f.fault("a row has one variable, theta or d",
-                        "give the other a value, and a row of its own to a second joint"));
+    f.refuse("a row has one variable, theta or d",
+             "give the other a value, and a row of its own to a second joint");
   DhRow row;
   const Eigen::Isometry3d link = modified ? turn(alpha, Eigen::Vector3d::UnitX()) * shift(a, 0)
                                           : shift(a, 0) * turn(alpha, Eigen::Vector3d::UnitX());
@@ -125,8 +124,7 @@ DhRow read_row(const Field& f, bool modified) {
   if (row.joint.name.empty()) {
     for (const char* key : {"limits", "velocity"})
       if (o.has(key))
-        throw Error(
-            o.at(key).fault("the row has no variable, so that nothing moves", "write theta: q1, or d: q1"));
+        o.at(key).refuse("the row has no variable, so that nothing moves", "write theta: q1, or d: q1");
   } else {
     row.joint.type = prismatic          ? JointType::prismatic
                      : row.joint.limits ? JointType::revolute
@@ -161,8 +159,7 @@ RobotModel read_dh(const Field& f, const std::string& convention, const std::str
       DhRow row = read_row(rows[i], convention == "modified");
       for (const Joint& other : model.joints)
         if (!row.joint.name.empty() && other.name == row.joint.name)
-          throw Error(
-              rows[i].fault("two rows have the variable " + quoted(other.name), "name each joint once"));
+          rows[i].refuse("two rows have the variable " + quoted(other.name), "name each joint once");
       if (row.joint.name.empty()) row.joint.name = "row " + std::to_string(i + 1);
       row.joint.origin = before * row.joint.origin;
       before = row.behind;
@@ -186,6 +183,87 @@ RobotModel read_dh(const Field& f, const std::string& convention, const std::str
   model.joints.push_back(flange);
   model.inertias.resize(model.links.size());
   return model;
+}
+
+Limits read_limits_of_joint(const Field& f, bool prismatic) {
+  const std::string example =
+      prismatic ? "[lower, upper], such as [0, 300 mm]" : "[lower, upper], such as [-90 deg, 90 deg]";
+  const std::vector<Field> ends = read_list(f, example);
+  if (ends.size() != 2) f.refuse("limits must be two numbers", "write " + example);
+  const Parameter row{.name = "limits", .coordinate = true};
+  const Dimension dimension = prismatic ? dimension::length : dimension::angle;
+  const Limits limits{read_number(ends[0], row, dimension), read_number(ends[1], row, dimension)};
+  if (limits.lower > limits.upper) f.refuse("the lower limit is above the upper one", "write " + example);
+  return limits;
+}
+
+RobotModel read_joint(const Field& f, const std::string& file) {
+  const Object o(f, spec_format::joint());
+  const bool prismatic = o.choice("type") == "prismatic";
+  Joint joint;
+  joint.name = *o.text("name");
+  joint.parent = "base";
+  joint.child = "tip";
+  joint.place = f.node->place;
+  joint.velocity_limit = o.number("velocity", prismatic ? dimension::speed : dimension::angular_speed);
+  joint.axis = prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  if (o.has("limits")) joint.limits = read_limits_of_joint(o.at("limits"), prismatic);
+  joint.type = prismatic ? JointType::prismatic : joint.limits ? JointType::revolute : JointType::continuous;
+  // A table turns without end; its configurations are those of one turn.
+  if (joint.type == JointType::continuous) joint.limits = Limits{-std::numbers::pi, std::numbers::pi};
+  // The errors of a slide do not depend on its position: any range that no slide exceeds.
+  constexpr double longest = 100;
+  if (prismatic && !joint.limits) joint.limits = Limits{-longest, longest};
+  RobotModel model{joint.name, file, {"base", "tip"}, {joint}, {}, std::vector<Inertia>(2)};
+  const double radius = o.number("radius").value_or(0);
+  if (radius == 0) return model;
+  if (prismatic) o.at("radius").refuse("only a revolute joint has a radius", "leave it out");
+  model.joints.front().child = "hub";
+  Joint arm;
+  arm.name = joint.name + " arm";
+  arm.parent = "hub";
+  arm.child = "tip";
+  arm.origin.translation().x() = radius;
+  arm.place = joint.place;
+  model.links = {"base", "hub", "tip"};
+  model.joints.push_back(arm);
+  model.inertias.resize(3);
+  return model;
+}
+
+/// Reads the keys `robot.tool` and `robot.tracker` of a spec.
+
+namespace {
+
+Eigen::Vector3d read_three(const Object& o, std::string_view key, Dimension dimension) {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  if (!o.has(key)) return v;
+  const Field list = o.at(key);
+  const std::vector<Field> items = read_list(list);
+  if (items.size() != 3) list.refuse("needs three numbers", "write [0, 0, 0]");
+  for (Eigen::Index i = 0; i < 3; ++i)
+    v[i] = read_number(items[static_cast<std::size_t>(i)], {.name = key, .dimension = dimension});
+  return v;
+}
+
+}  // namespace
+
+Eigen::Isometry3d read_pose(const Field& f) {
+  const Object o(f, spec_format::pose());
+  const Eigen::Vector3d rpy = read_three(o, "rpy", dimension::angle);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = read_three(o, "xyz", dimension::length);
+  pose.linear() = (Eigen::AngleAxisd(rpy[2], Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(rpy[1], Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(rpy[0], Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& r) {
+  const double level = std::hypot(r(0, 0), r(1, 0));
+  if (level < 1e-12) return {0, std::atan2(-r(2, 0), level), std::atan2(-r(0, 1), r(1, 1))};
+  return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), level), std::atan2(r(1, 0), r(0, 0))};
 }
 
 }  // namespace qerr
