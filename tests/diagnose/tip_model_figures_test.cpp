@@ -173,7 +173,7 @@ TEST(TipModelFigures, OfExchangesOfWrongTermsAreAsMeasured) {
     TipModel wrong(model, *e, UnknownFrames{.target = seed % 4 == 3}, 4);
     std::vector<TipTerm> all = tip_terms(*e, wrong.estimate());
     for (std::size_t i = seed % 3; i < all.size() && wrong.terms().size() < 3; i += 4)
-      if (!wrong.beyond({}, wrong.columns(all[i])).isZero(0)) {
+      if (!wrong.beyond(wrong.columns(all[i])).isZero(0)) {
         wrong.add(all[i], Eigen::VectorXd::Zero(1));
         wrong.fit();
       }

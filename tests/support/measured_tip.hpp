@@ -66,7 +66,7 @@ inline void expect_model(const RecordFigures& figure, const std::string& start, 
     figure(name + "coefficients", m.coefficients(i).norm());
     figure(name + "columns", columns.norm());
     figure(name + "without", m.trial({i}, {}).log_likelihood);
-    figure(name + "beyond", m.beyond({i}, columns).norm());
+    figure(name + "beyond", m.beyond(m.projection({i}), columns).norm());
     if (t.term.effect.numbers.count("order") > 0) figure(name + "order", t.term.effect.number("order"));
     if (t.term.effect.numbers.count("time") > 0) figure(name + "time", t.term.effect.number("time"));
   }
@@ -81,7 +81,7 @@ inline void expect_candidates(const RecordFigures& figure, const std::string& st
   for (const TipTerm& t : all) {
     const std::string name =
         start + "candidate " + std::to_string(++number) + ' ' + name_of_tip_term(t) + ' ';
-    const Eigen::MatrixXd columns = m.columns(t), beyond = m.beyond({}, columns);
+    const Eigen::MatrixXd columns = m.columns(t), beyond = m.beyond(columns);
     figure(name + "columns", columns.norm());
     // Where a column depends on the others, its rest is zero or rounding errors.
     if (beyond.norm() < 1e-4 * columns.norm()) continue;

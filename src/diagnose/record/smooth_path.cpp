@@ -29,35 +29,43 @@ constexpr double distorted = 1.06;
 /// Distance of the rows that are used of a long record.
 Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
 
-/// Divided difference of `order` at the order + 1 stamps from `first` on, scaled to unit variance for white
-/// noise. It is zero for polynomials of lower order, at any stamps. Empty if stamps coincide.
-std::optional<double> divided_difference(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x,
-                                         Eigen::Index first, Eigen::Index order) {
-  const double span = time[first + order] - time[first];
-  double sum = 0, squares = 0;
-  for (Eigen::Index i = first; i <= first + order; ++i) {
-    double product = 1;
-    for (Eigen::Index j = first; j <= first + order; ++j)
-      if (j != i) product *= (time[i] - time[j]) / span;
-    if (!(std::abs(product) > 1e-9)) return std::nullopt;
-    sum += (x[i] - x[first]) / product;
-    squares += 1 / (product * product);
-  }
-  return sum / std::sqrt(squares);
-}
-
-/// Standard deviation of white noise on a smooth path, from divided differences of one order.
+/// Standard deviation of white noise on a smooth path, from divided differences of one order, each over
+/// order + 1 rows and scaled to unit variance for white noise. They are zero for polynomials of lower order,
+/// at any stamps; where stamps coincide there is none.
 ///
 /// A rounded path is constant at standstill and shows no noise there. If that is most of the record, only
 /// differences in motion are used.
 double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log_resolution,
                  Eigen::Index order) {
+  constexpr Eigen::Index block = 512;  // differences at a time: their columns stay in the cache
+  const Eigen::Index stride = stride_of(x.size()), count = (x.size() - order + stride - 1) / stride;
   std::vector<double> all, moving;
-  for (Eigen::Index k = 0; k + order < x.size(); k += stride_of(x.size()))
-    if (const auto d = divided_difference(time, x, k, order)) {
-      all.push_back(std::abs(*d));
-      if (std::abs(x[k + order] - x[k]) > 4 * log_resolution) moving.push_back(all.back());
+  Eigen::ArrayXXd t(block, order + 1), y(block, order + 1);
+  for (Eigen::Index done = 0; done < count; done += block) {
+    const Eigen::Index size = std::min(block, count - done);
+    t.resize(size, order + 1), y.resize(size, order + 1);
+    for (Eigen::Index i = 0; i <= order; ++i) {
+      const auto rows = Eigen::seqN(done * stride + i, size, stride);
+      t.col(i) = time(rows), y.col(i) = x(rows);
     }
+    const Eigen::ArrayXd span = t.col(order) - t.col(0);
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(size), squares = sum, least = span, product(size);
+    for (Eigen::Index i = 0; i <= order; ++i) {
+      product.setOnes();
+      for (Eigen::Index j = 0; j <= order; ++j)
+        if (j != i) product *= (t.col(i) - t.col(j)) / span;
+      sum += (y.col(i) - y.col(0)) / product;
+      squares += 1 / (product * product);
+      least = i == 0 ? Eigen::ArrayXd(product.abs()) : least.min(product.abs());
+    }
+    const Eigen::ArrayXd moved = (y.col(order) - y.col(0)).abs();
+    sum = (sum / squares.sqrt()).abs();
+    for (Eigen::Index k = 0; k < size; ++k) {
+      if (!(least[k] > 1e-9)) continue;
+      all.push_back(sum[k]);
+      if (moved[k] > 4 * log_resolution) moving.push_back(sum[k]);
+    }
+  }
   const double of_all = median(std::move(all));
   const bool use_all = of_all > 0 || static_cast<Eigen::Index>(moving.size()) < fewest_in_motion;
   return (use_all ? of_all : median(std::move(moving))) / normal_median;

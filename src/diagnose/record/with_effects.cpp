@@ -73,6 +73,8 @@ void move(Evidence& e, const Eigen::ArrayXd& by) {
 }  // namespace
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
+  if (std::none_of(effects.begin(), effects.end(), [&](const Effect& x) { return x.joint == e.joint; }))
+    return e;
   SignalPath encoder{e, e.path, e.velocity, e.path + joint_addition(e, effects)};
   encoder.pass(effects, Stage::disc, Stage::decoder);
   SignalPath reference{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/solve.hpp"
+#include "diagnose/search/gram_kernels.hpp"
 
 namespace qerr {
 
@@ -52,24 +53,42 @@ Eigen::VectorXd solve_upper(const Eigen::MatrixXd& r, const Eigen::VectorXd& b) 
 
 }  // namespace
 
+Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                              const Eigen::VectorXd& weight) {
+  const Eigen::Index rows = columns.rows(), count = columns.cols();
+  const auto whole = [](Eigen::Index n, std::size_t of) {
+    const auto step = static_cast<Eigen::Index>(of);
+    return (n + step - 1) / step * step;
+  };
+  // Zeros up to whole tiles.
+  Eigen::MatrixXd z(whole(rows, GramKernels::widest_lane), whole(count + 2, GramKernels::tile));
+  z.bottomRows(z.rows() - rows).setZero();
+  z.rightCols(z.cols() - count - 2).setZero();
+  const Eigen::VectorXd root = weight.cwiseSqrt();
+  for (Eigen::Index i = 0; i < count; ++i) z.col(i).head(rows) = root.cwiseProduct(columns.col(i));
+  z.col(count).head(rows) = root.cwiseProduct(y);
+  z.col(count + 1).head(rows) = root;
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(z.cols(), z.cols());
+  select_kernels<GramKernels>(instruction_set())
+      .add_gram(z.data(), static_cast<std::size_t>(z.rows()), static_cast<std::size_t>(z.cols()),
+                lower.data());
+  return lower.topLeftCorner(count + 2, count + 2).selfadjointView<Eigen::Lower>();
+}
+
 LinearModel::LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
                          const Eigen::VectorXd& weight, Eigen::Index base)
     : rows_(static_cast<double>((weight.array() > 0).count())), base_(base) {
-  const Eigen::VectorXd root = weight.cwiseSqrt();
-  Eigen::MatrixXd z = root.asDiagonal() * columns;
-  scale_ = z.colwise().norm();
+  const Eigen::Index count = columns.cols();
+  const Eigen::MatrixXd all = weighted_gram(columns, y, weight);
+  scale_ = all.diagonal().head(count).cwiseSqrt();
   for (double& s : scale_) s = s > 0 ? 1 / s : 0;
-  z = z * scale_.asDiagonal();
-  gram_.setZero(z.cols(), z.cols());
-  gram_.selfadjointView<Eigen::Lower>().rankUpdate(z.transpose());
-  gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
-  const Eigen::VectorXd target = root.cwiseProduct(y);
-  moment_ = z.transpose() * target;
-  total_ = target.squaredNorm();
-  const double all = weight.sum();
-  const Eigen::VectorXd means = z.transpose() * root / std::sqrt(all);
+  gram_ = scale_.asDiagonal() * all.topLeftCorner(count, count) * scale_.asDiagonal();
+  moment_ = scale_.cwiseProduct(all.col(count).head(count));
+  total_ = all(count, count);
+  const double weights = all(count + 1, count + 1);
+  const Eigen::VectorXd means = scale_.cwiseProduct(all.col(count + 1).head(count)) / std::sqrt(weights);
   centred_ = gram_ - means * means.transpose();
-  spread_ = total_ - std::pow(root.dot(target), 2) / all;
+  spread_ = total_ - std::pow(all(count, count + 1), 2) / weights;
 }
 
 /// The groups' columns after projection on the base and a set.

@@ -5,6 +5,10 @@
 
 namespace qerr {
 
+/// Z^T W Z of Z = [columns, y, 1] and the weights' diagonal matrix W.
+Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                              const Eigen::VectorXd& weight);
+
 /// A group of columns that enters a model as a whole.
 struct ColumnGroup {
   Eigen::Index first = 0, count = 0;

@@ -9,6 +9,8 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "diagnose/surrogates/residual_kernels.hpp"
+
 namespace qerr {
 
 std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double spacing,
@@ -42,12 +44,11 @@ std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd
 }
 
 double power_at(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double rate) {
-  double cosine = 0, sine = 0;
-  for (Eigen::Index k = 0; k < score.size(); ++k) {
-    cosine += score[k] * std::cos(rate * argument[k]);
-    sine += score[k] * std::sin(rate * argument[k]);
-  }
-  return cosine * cosine + sine * sine;
+  const Eigen::ArrayXd angle = rate * argument;
+  Eigen::ArrayXd sine(angle.size()), cosine(angle.size());
+  select_kernels<ResidualKernels>(instruction_set())
+      .sines(angle.data(), static_cast<std::size_t>(angle.size()), sine.data(), cosine.data());
+  return std::pow((score * cosine).sum(), 2) + std::pow((score * sine).sum(), 2);
 }
 
 namespace {

@@ -6,6 +6,7 @@
 
 #include "core/random.hpp"
 #include "core/solve.hpp"
+#include "diagnose/search/linear_model.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {
@@ -75,7 +76,19 @@ void TipModel::exchange(std::size_t term, TipTerm other, const Eigen::VectorXd& 
   add(std::move(other), coefficients);
 }
 
+Eigen::MatrixXd TipModel::read_columns(std::size_t encoder, const Eigen::ArrayXXd& addition) const {
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  const auto read = read_.col(static_cast<Eigen::Index>(encoder));
+  Eigen::MatrixXd out(read.size(), addition.cols());
+  for (Eigen::Index i = 0; i < out.cols(); ++i)
+    for (Eigen::Index k = 0; k < addition.rows(); ++k)
+      for (Eigen::Index at = k * coordinates; at < (k + 1) * coordinates; ++at)
+        out(at, i) = read[at] * addition(k, i);
+  return out;
+}
+
 Eigen::MatrixXd TipModel::columns(const TipTerm& t) const {
+  if (t.kind == TipTerm::Kind::encoder) return read_columns(t.where, t.term.columns);
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   Eigen::MatrixXd out(y_.size(), t.size());
   for (Eigen::Index k = 0; k < evidence_->rows(); ++k) {
@@ -86,22 +99,27 @@ Eigen::MatrixXd TipModel::columns(const TipTerm& t) const {
   return out;
 }
 
-Eigen::MatrixXd TipModel::all_columns(const std::vector<std::size_t>& without) const {
-  Eigen::MatrixXd all = nuisance_;
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    if (std::find(without.begin(), without.end(), i) != without.end()) continue;
-    all.conservativeResize(Eigen::NoChange, all.cols() + terms_[i].size());
-    all.rightCols(terms_[i].size()) = term_columns_[i];
-  }
+Eigen::MatrixXd TipModel::all_columns(const std::vector<std::size_t>& without, Eigen::Index more) const {
+  const auto used = [&](std::size_t i) {
+    return std::find(without.begin(), without.end(), i) == without.end();
+  };
+  Eigen::Index count = nuisance_.cols() + more;
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (used(i)) count += terms_[i].size();
+  Eigen::MatrixXd all(y_.size(), count);
+  all.leftCols(nuisance_.cols()) = nuisance_;
+  Eigen::Index at = nuisance_.cols();
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (used(i)) {
+      all.middleCols(at, terms_[i].size()) = term_columns_[i];
+      at += terms_[i].size();
+    }
   return all;
 }
 
 TipSolution TipModel::trial(const std::vector<std::size_t>& without, const Eigen::MatrixXd& extra) const {
-  Eigen::MatrixXd x = all_columns(without);
-  if (extra.cols() > 0) {
-    x.conservativeResize(Eigen::NoChange, x.cols() + extra.cols());
-    x.rightCols(extra.cols()) = extra;
-  }
+  Eigen::MatrixXd x = all_columns(without, extra.cols());
+  if (extra.cols() > 0) x.rightCols(extra.cols()) = extra;
   const double least = std::max({0.5 * evidence_->noise, 0.3 * evidence_->log_resolution, 1e-9});
   return solve(x, y_, known_, least, solution_.sigma > 0 ? std::optional(solution_.sigma) : std::nullopt);
 }
@@ -109,14 +127,23 @@ TipSolution TipModel::trial(const std::vector<std::size_t>& without, const Eigen
 TipModel::Projection TipModel::projection(const std::vector<std::size_t>& without) const {
   Projection p{all_columns(without), {}, {}};
   p.weighted = solution_.weight.asDiagonal() * p.columns;
-  p.inverse = NormalInverse(p.columns.transpose() * p.weighted).inverse;
+  NormalInverse normal(
+      weighted_gram(p.columns, y_, solution_.weight).topLeftCorner(p.columns.cols(), p.columns.cols()));
+  p.inverse = std::move(normal.inverse);
+  p.rank = normal.rank;
   return p;
 }
 
-Eigen::MatrixXd TipModel::beyond(const std::vector<std::size_t>& without,
-                                 const Eigen::MatrixXd& columns) const {
-  const Projection other = without.empty() ? Projection{} : projection(without);
-  const Projection& p = without.empty() ? *projection_ : other;
+Eigen::MatrixXd TipModel::beyond_others(std::size_t term) const {
+  const Projection& all = *projection_;
+  const Eigen::Index at = position(term), size = terms_[term].size();
+  if (all.rank < all.columns.cols()) return beyond(projection({term}), term_columns_[term]);
+  // With C = (X^T W X)^-1, X C_:i is what its other columns leave of X_i, times C_ii.
+  const Eigen::MatrixXd own = all.inverse.block(at, at, size, size).inverse();
+  return all.columns * (all.inverse.middleCols(at, size) * own);
+}
+
+Eigen::MatrixXd TipModel::beyond(const Projection& p, const Eigen::MatrixXd& columns) const {
   if (p.columns.cols() == 0) return columns;
   Eigen::MatrixXd left = columns - p.columns * (p.inverse * (p.weighted.transpose() * columns));
   const Eigen::VectorXd root = solution_.weight.cwiseSqrt();
@@ -306,6 +333,7 @@ void TipModel::linearize() {
   poses->reserve(static_cast<std::size_t>(rows));
   turn_.resize(static_cast<std::size_t>(rows));
   y_.resize(rows * coordinates);
+  read_.resize(rows * coordinates, evidence_->to_joints.cols());
   known_.resize(rows * coordinates);
   const Eigen::VectorXd quantization = resolutions(model_->transmission).array().square() / 12;
   const Eigen::VectorXd reference = evidence_->joint_noise.array().square();
@@ -325,6 +353,7 @@ void TipModel::linearize() {
     turn(Eigen::all, evidence_->axes) = axes.vectors.transpose();
     y_.segment(k * coordinates, coordinates) = turn * tip - axes.vectors.transpose() * evidence_->tip.col(k);
     known_.segment(k * coordinates, coordinates) = axes.values.cwiseMax(0);
+    read_.middleRows(k * coordinates, coordinates).noalias() = turn * p.encoders;
     poses->push_back(p);
   }
   poses_ = std::move(poses);

@@ -57,14 +57,25 @@ class TipModel {
 
   /// A term's columns at the present estimate, in the rows' axes: entries x size.
   Eigen::MatrixXd columns(const TipTerm&) const;
+  const Eigen::MatrixXd& columns(std::size_t term) const { return term_columns_[term]; }
 
   /// The fit with further columns in place of some terms (no new linearization). The nuisance comes first in
   /// theta, then the terms that are kept, then the extra columns.
   TipSolution trial(const std::vector<std::size_t>& without, const Eigen::MatrixXd& extra) const;
 
-  /// Columns less their projection on nuisance and terms (but those in `without`); zero if linearly
-  /// dependent.
-  Eigen::MatrixXd beyond(const std::vector<std::size_t>& without, const Eigen::MatrixXd& columns) const;
+  /// On nuisance and terms, with the weights of the solution.
+  struct Projection {
+    Eigen::MatrixXd columns, weighted, inverse;
+    Eigen::Index rank = 0;
+  };
+  Projection projection(const std::vector<std::size_t>& without) const;
+
+  /// Columns less a projection; zero if linearly dependent.
+  Eigen::MatrixXd beyond(const Projection&, const Eigen::MatrixXd& columns) const;
+  /// Less that on nuisance and all terms.
+  Eigen::MatrixXd beyond(const Eigen::MatrixXd& columns) const { return beyond(*projection_, columns); }
+  /// A term's columns less the projection on nuisance and the other terms.
+  Eigen::MatrixXd beyond_others(std::size_t term) const;
 
   /// Variance of the scores of columns over their variance if residuals were independent from row to row.
   static double variance_inflation(const TipSolution&, const Eigen::MatrixXd& columns,
@@ -91,7 +102,8 @@ class TipModel {
   std::uint64_t seed() const { return seed_; }
   const TipSolution& solution() const { return solution_; }
   const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true, without terms [m]
-  Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}) const;  ///< nuisance and terms
+  /// Nuisance and terms, and room for further columns behind them.
+  Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}, Eigen::Index more = 0) const;
   Eigen::Index nuisance() const { return nuisance_.cols(); }
   /// Mean variance of an entry by quantization and the noise of the joints' references [m^2].
   double quantization() const { return known_.mean(); }
@@ -101,12 +113,8 @@ class TipModel {
   Eigen::MatrixXd in_base(const Eigen::VectorXd& entries) const;
 
  private:
-  /// On nuisance and terms, with the weights of the solution.
-  struct Projection {
-    Eigen::MatrixXd columns, weighted, inverse;
-  };
-
-  Projection projection(const std::vector<std::size_t>& without) const;
+  /// The columns of an addition to an encoder's reading: entries x size.
+  Eigen::MatrixXd read_columns(std::size_t encoder, const Eigen::ArrayXXd& addition) const;
   void update_estimate();
   void find_second_order();
   void linearize();
@@ -128,6 +136,7 @@ class TipModel {
   std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3>> turn_;
   /// Second-order errors of every row, at the first estimate; shared by copies.
   std::shared_ptr<const std::vector<SecondOrder>> second_order_;
+  Eigen::MatrixXd read_;  ///< tip per unit of each encoder's reading, in the rows' axes: entries x encoders
   Eigen::VectorXd y_, known_;
   Eigen::MatrixXd nuisance_;
   std::vector<Eigen::MatrixXd> term_columns_;

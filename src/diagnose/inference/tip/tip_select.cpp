@@ -126,7 +126,7 @@ std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& 
   std::vector<Eigen::MatrixXd> columns;
   for (std::size_t i = 0; i < all.size(); ++i) {
     columns.push_back(model.columns(all[i]));
-    const double gain = gain_of(model.solution(), model.beyond({}, columns.back()));
+    const double gain = gain_of(model.solution(), model.beyond(columns.back()));
     if (gain > 4) passing.emplace_back(gain, i);
   }
   std::sort(passing.rbegin(), passing.rend());
@@ -136,7 +136,7 @@ std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& 
     const Eigen::Index size = columns[i].cols();
     const TipSolution s = model.trial({}, columns[i]);
     const Eigen::VectorXd theta = s.theta.tail(size);
-    if (signal_to_noise(s, model.beyond({}, columns[i]), theta) <
+    if (signal_to_noise(s, model.beyond(columns[i]), theta) <
         options.least_amplitude * required_signal_to_noise(all[i]))
       continue;
     // Counts are lost in whole numbers.
@@ -252,7 +252,7 @@ TipModel with_all_dimensions(TipModel model) {
   for (TipTerm& t : tip_terms(model.evidence(), model.estimate())) {
     if (!t.kinematic() || chosen(model, t)) continue;
     // Linearly dependent on the others.
-    if (model.beyond({}, model.columns(t)).isZero(0)) continue;
+    if (model.beyond(model.columns(t)).isZero(0)) continue;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(t.size());  // a tilt may have two directions
     model.add(std::move(t), none);
     model.refit();
@@ -282,7 +282,7 @@ bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& 
   const double gained =
       (with.log_likelihood - model.solution().log_likelihood) / variance_inflation(model, with, columns);
   return gained > price(model, more) + unnamed_penalty && p_value(gained, more) < options.alpha &&
-         signal_to_noise(with, model.beyond({}, columns), with.theta.tail(columns.cols())) >
+         signal_to_noise(with, model.beyond(columns), with.theta.tail(columns.cols())) >
              2.5 * options.least_amplitude;
 }
 
@@ -412,23 +412,27 @@ void find_tip_alternatives(const OperationalModel& model, TipSelection& s) {
   for (int round = 0; round < 8; ++round) {
     s.alternatives.clear();
     const std::vector<TipTerm> others = tip_terms(m.evidence(), m.estimate());
+    std::vector<Eigen::MatrixXd> columns;
+    for (const TipTerm& t : others) columns.push_back(m.columns(t));
     bool exchanged = false;
     for (std::size_t i = 0; i < m.terms().size() && !exchanged; ++i) {
       const double correlated = variance_inflation(m, i);
       const TipSolution without = m.trial({i}, {});
       TipSolution at_weights = without;
       at_weights.weight = m.solution().weight;
-      const double own = gain_of(at_weights, m.beyond({i}, m.columns(m.terms()[i])));
-      for (const TipTerm& other : others) {
+      const TipModel::Projection of_others = m.projection({i});
+      const double own = gain_of(at_weights, m.beyond(of_others, m.columns(i)));
+      for (std::size_t o = 0; o < others.size(); ++o) {
+        const TipTerm& other = others[o];
         if (chosen(m, other)) continue;
-        const Eigen::MatrixXd columns = m.columns(other);
-        if (gain_of(at_weights, m.beyond({i}, columns)) < own - correlated * (2 * as_good + 20)) continue;
-        const TipSolution swapped = m.trial({i}, columns);
+        if (gain_of(at_weights, m.beyond(of_others, columns[o])) < own - correlated * (2 * as_good + 20))
+          continue;
+        const TipSolution swapped = m.trial({i}, columns[o]);
         const double loss = (m.solution().log_likelihood - swapped.log_likelihood) / correlated +
-                            price(m, columns.cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
+                            price(m, columns[o].cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
                             penalty(m, m.terms()[i]);
         if (loss < -better_by && round < 7) {
-          const Eigen::VectorXd theta = swapped.theta.tail(columns.cols());
+          const Eigen::VectorXd theta = swapped.theta.tail(columns[o].cols());
           m.exchange(i, other, theta);
           m.fit();
           exchanged = true;

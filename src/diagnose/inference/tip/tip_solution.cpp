@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/solve.hpp"
+#include "diagnose/search/linear_model.hpp"
 
 namespace qerr {
 
@@ -66,9 +67,9 @@ TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eige
   for (int i = 0; i < 12; ++i) {
     s.weight = (known.array() + s.sigma * s.sigma).inverse().matrix();
     if (x.cols() > 0) {
-      const Eigen::MatrixXd weighted = s.weight.asDiagonal() * x;
-      const NormalInverse normal(x.transpose() * weighted);
-      s.theta = normal.inverse * (weighted.transpose() * y);
+      const Eigen::MatrixXd gram = weighted_gram(x, y, s.weight);
+      const NormalInverse normal(gram.topLeftCorner(x.cols(), x.cols()));
+      s.theta = normal.inverse * gram.col(x.cols()).head(x.cols());
       s.covariance = normal.inverse;
       s.rank = normal.rank;
       s.residual = y - x * s.theta;

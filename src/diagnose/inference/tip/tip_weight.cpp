@@ -21,14 +21,13 @@ double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
 double variance_inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
   return std::max(TipModel::variance_inflation(with, columns, coordinates),
-                  model.quantization_inflation(model.beyond({}, columns)));
+                  model.quantization_inflation(model.beyond(columns)));
 }
 
 double variance_inflation(const TipModel& model, std::size_t term) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
-  const Eigen::MatrixXd columns = model.columns(model.terms()[term]);
-  return std::max(TipModel::variance_inflation(model.solution(), columns, coordinates),
-                  model.quantization_inflation(model.beyond({term}, columns)));
+  return std::max(TipModel::variance_inflation(model.solution(), model.columns(term), coordinates),
+                  model.quantization_inflation(model.beyond_others(term)));
 }
 
 double p_value(double gain, Eigen::Index coefficients) {

@@ -25,17 +25,17 @@ struct ConstantRun {
   Eigen::Index first, end;
 };
 
-std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal, double width = 0) {
-  std::vector<ConstantRun> runs;
+/// In a motion, as many as rows: they are visited, not collected.
+template <class Visit>
+void visit_constant_runs(const Eigen::ArrayXd& signal, double width, Visit visit) {
   for (Eigen::Index first = 0, end = 0; first < signal.size(); first = end) {
     double lowest = signal[first], highest = lowest;
     for (; end < signal.size(); ++end) {
       lowest = std::min(lowest, signal[end]), highest = std::max(highest, signal[end]);
       if (highest - lowest > width) break;
     }
-    runs.push_back({first, end});
+    visit(ConstantRun{first, end});
   }
-  return runs;
 }
 
 /// A reference that stands, and what the encoder does meanwhile.
@@ -73,11 +73,27 @@ Eigen::ArrayXd largest_rise(const Eigen::ArrayXd& x) {
 /// The standstills that the joint has not made.
 std::vector<StandingReference> frozen(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
   std::vector<StandingReference> all;
-  for (const ConstantRun& run : constant_runs(reference)) all.push_back(standing(run, counts));
+  visit_constant_runs(reference, 0, [&](const ConstantRun& run) {
+    if (run.end - run.first < 3) return;  // a single step is no motion
+    if (const StandingReference s = standing(run, counts); s.motion >= missed_motion) all.push_back(s);
+  });
+  if (all.empty()) return {};
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // error elsewhere
+  const auto include = [&](Eigen::Index first, Eigen::Index end) {
+    for (Eigen::Index k = first; k < end; ++k) {
+      lowest = std::min(lowest, counts[k] - reference[k]);
+      highest = std::max(highest, counts[k] - reference[k]);
+    }
+  };
+  Eigen::Index end = 0;
+  for (const StandingReference& s : all) {
+    include(end, s.rows.first);
+    end = s.rows.end;
+  }
+  include(end, reference.size());
   const auto less = [](const StandingReference& a, const StandingReference& b) {
     return a.motion < b.motion;
   };
-  if (std::max_element(all.begin(), all.end(), less)->motion < missed_motion) return {};
   std::stable_sort(all.begin(), all.end(), less);
   const Eigen::Index last = reference.size() - 1;
   const Eigen::ArrayXd rise = largest_rise(reference), fall = largest_rise(-reference);
@@ -86,15 +102,9 @@ std::vector<StandingReference> frozen(const Eigen::ArrayXd& counts, const Eigen:
     const bool one_way = std::abs(s.net) >= s.motion - 2;
     return one_way && (s.net > 0 ? rise : fall)[s.rows.first] >= missed_motion;
   };
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // error elsewhere
   for (auto s = all.begin(); s != all.end(); ++s) {
-    if (s->motion >= missed_motion && (both_ways || goes_on(*s)) &&
-        s->motion > beyond_play * (highest - lowest))
-      return {s, all.end()};
-    for (Eigen::Index k = s->rows.first; k < s->rows.end; ++k) {
-      lowest = std::min(lowest, counts[k] - reference[k]);
-      highest = std::max(highest, counts[k] - reference[k]);
-    }
+    if ((both_ways || goes_on(*s)) && s->motion > beyond_play * (highest - lowest)) return {s, all.end()};
+    include(s->rows.first, s->rows.end);
   }
   return {};
 }
@@ -231,16 +241,23 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
   if (reference.size() == 0) return;
   const Eigen::Index n = read->counts.size();
-  std::vector<Eigen::Index> kept;
+  std::vector<ConstantRun> stuck;
   double missed = 0;
   ConstantRun longest{};
   constexpr double one_count = 1.5;
-  for (const ConstantRun& run : constant_runs(read->counts, one_count)) {
+  visit_constant_runs(read->counts, one_count, [&](const ConstantRun& run) {
     const double here = missed_in(run, read->counts, reference);
     if (here > missed) missed = here, longest = run;
-    for (Eigen::Index k = run.first; k < (here > 0 ? run.first + 1 : run.end); ++k) kept.push_back(k);
-  }
+    if (here > 0) stuck.push_back(run);
+  });
   if (missed == 0) return;
+  std::vector<Eigen::Index> kept;  // of a run that is stuck, the first row
+  Eigen::Index k = 0;
+  for (const ConstantRun& run : stuck) {
+    while (k <= run.first) kept.push_back(k++);
+    k = run.end;
+  }
+  while (k < n) kept.push_back(k++);
   const LogColumn& column = s.log.columns[static_cast<std::size_t>(read->column)];
   const Eigen::Index since = longest.first;
   const auto excluded = static_cast<std::size_t>(n) - kept.size();

@@ -21,31 +21,48 @@ namespace {
 
 /// A recorded velocity, and the positions from which the robot computed it.
 struct RecordedVelocity {
-  Eigen::ArrayXd position, velocity;
+  Eigen::ArrayXd time, position, velocity;
   double interval = 0;        ///< mean [s]
   double rounding_sigma = 0;  ///< rms of the velocity's rounding in the file [rad/s]
+
+  Eigen::Index rows() const { return position.size(); }
+  /// The first row that is compared: the filter has settled.
+  Eigen::Index first() const { return rows() / 10; }
 };
 
-/// Filtered positions over the last nine tenths of the record. The filter starts in the steady state of the
-/// first velocity.
-/// @param delay  of the output [samples]
-Eigen::ArrayXd filtered(const RecordedVelocity& r, const Filter& filter, Eigen::Index delay) {
-  const Eigen::Index n = r.position.size(), lead = std::min<Eigen::Index>(n, 2000);
+/// Of a long record, the `most` consecutive rows in which the velocity changes most: a filter is the same in
+/// all of them, and known to the root of their number.
+RecordedVelocity busiest(const RecordedVelocity& r, Eigen::Index most) {
+  if (r.rows() <= most) return r;
+  Eigen::Index first = 0;
+  double largest = -1;
+  for (Eigen::Index at = 0; at + most <= r.rows(); at += most / 2)
+    if (const double size = standard_deviation(r.velocity.segment(at, most)); size > largest)
+      largest = size, first = at;
+  return {r.time.segment(first, most), r.position.segment(first, most), r.velocity.segment(first, most),
+          r.interval, r.rounding_sigma};
+}
+
+/// Filtered positions from the first compared row on. The filter starts in the steady state of the first
+/// velocity.
+/// @param lead  rows of constant velocity before the record, in which it settles
+Eigen::ArrayXd filtered(const RecordedVelocity& r, const Filter& filter, Eigen::Index lead = 2000) {
+  const Eigen::Index n = r.rows(), first = r.first();
   Cascade<double> cascade(filter);
-  const Eigen::Index first = n / 10 + delay;
   Eigen::ArrayXd velocity(n - first);
-  for (Eigen::Index k = -lead; k < n - delay; ++k) {
+  for (Eigen::Index k = -std::min(n, lead); k < n; ++k) {
     const double extrapolated = static_cast<double>(k) * r.interval * r.velocity[0];
     const double output = cascade.step(k < 0 ? extrapolated : r.position[k] - r.position[0]);
-    if (k + delay >= first) velocity[k + delay - first] = output;
+    if (k >= first) velocity[k - first] = output;
   }
   return velocity;
 }
 
-/// rms of recorded velocity - filtered position.
-double misfit(const RecordedVelocity& r, const Filter& filter, Eigen::Index delay) {
-  const Eigen::ArrayXd velocity = filtered(r, filter, delay);
-  return rms(r.velocity.tail(velocity.size()) - velocity);
+/// Recorded velocity - filtered position.
+/// @param delay  of the output [samples]
+Eigen::ArrayXd deviation_from(const RecordedVelocity& r, const Eigen::ArrayXd& output, Eigen::Index delay) {
+  const Eigen::Index n = output.size() - delay;
+  return r.velocity.tail(n) - output.head(n);
 }
 
 struct FilterCandidate {
@@ -66,9 +83,15 @@ Filter design(const FilterCandidate& c, double rate) {
 /// Logarithm of the highest cut-off that is tried: just below half the sampling rate.
 double highest(const RecordedVelocity& r) { return std::log(0.45 / r.interval); }
 
+Eigen::ArrayXd filtered(const RecordedVelocity& r, const FilterCandidate& c) {
+  // Ten time constants of each of the filter's sections.
+  const double memory = 10 * c.order / (2 * std::numbers::pi * c.cutoff * r.interval);
+  return filtered(r, design(c, 1 / r.interval), static_cast<Eigen::Index>(std::min(2000.0, memory + 1)));
+}
+
 FilterCandidate with_cutoff(const RecordedVelocity& r, FilterCandidate c, double log_cutoff) {
   c.cutoff = std::exp(log_cutoff);
-  c.misfit = misfit(r, design(c, 1 / r.interval), c.delay);
+  c.misfit = rms(deviation_from(r, filtered(r, c), c.delay));
   return c;
 }
 
@@ -83,47 +106,74 @@ FilterCandidate refined(const RecordedVelocity& r, FilterCandidate best, double 
   return best;
 }
 
-/// The best cut-off of one family, order and delay: on a coarse grid, then by local search.
-FilterCandidate best_cutoff(const RecordedVelocity& r, const FilterCandidate& c) {
+/// The best cut-off of one family and order, and its delay: on a coarse grid for each delay, then by local
+/// search.
+FilterCandidate best_cutoff(const RecordedVelocity& r, FilterCandidate c) {
+  std::array<FilterCandidate, 3> of_delays;
   const double low = std::log(1 / (2000 * r.interval)), step = (highest(r) - low) / 14;
-  FilterCandidate best;
-  for (double x = low; x <= highest(r) + 1e-9; x += step)
-    if (const FilterCandidate next = with_cutoff(r, c, x); next.misfit < best.misfit) best = next;
-  return refined(r, best, step / 2, 1e-3);
+  for (double x = low; x <= highest(r) + 1e-9; x += step) {
+    c.cutoff = std::exp(x);
+    const Eigen::ArrayXd output = filtered(r, c);
+    for (c.delay = 0; c.delay < 3; ++c.delay) {
+      c.misfit = rms(deviation_from(r, output, c.delay));
+      FilterCandidate& best = of_delays[static_cast<std::size_t>(c.delay)];
+      if (c.misfit < best.misfit) best = c;
+    }
+  }
+  for (FilterCandidate& best : of_delays)
+    if (best.misfit < 1e300) best = refined(r, best, step / 2, 1e-3);
+  return *std::min_element(of_delays.begin(), of_delays.end(),
+                           [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+}
+
+/// The filtered velocity's derivative by the logarithm of the cut-off.
+Eigen::ArrayXd sensitivity_to_cutoff(const RecordedVelocity& r, const FilterCandidate& c) {
+  constexpr double change = 1e-4;
+  FilterCandidate other = c;
+  other.cutoff *= 1 - change;
+  return (filtered(r, c) - filtered(r, other)) / change;
 }
 
 /// The cut-off with its 95 % interval: residual rms over the sensitivity of the filtered velocity to the
 /// cut-off. Both are correlated over the filter's memory, 1/(2 pi cutoff).
 FoundParameter cutoff_parameter(const RecordedVelocity& r, const FilterCandidate& c) {
-  FilterCandidate other = c;
-  other.cutoff *= 1 - 1e-4;
-  const double rate = 1 / r.interval;
-  const Eigen::ArrayXd best = filtered(r, design(c, rate), c.delay);
-  const double sensitivity =
-      rms(best - filtered(r, design(other, rate), c.delay)) / (c.cutoff - other.cutoff);
-  const double memory = std::max(1.0, rate / (2 * std::numbers::pi * c.cutoff));
+  const double sensitivity = rms(sensitivity_to_cutoff(r, c)) / c.cutoff;
+  const double memory = std::max(1.0, 1 / (2 * std::numbers::pi * c.cutoff * r.interval));
   const double residual = std::max(c.misfit, r.rounding_sigma);
   const double half_width =
-      1.96 * residual / sensitivity * std::sqrt(memory / static_cast<double>(best.size()));
+      1.96 * residual / sensitivity * std::sqrt(memory / static_cast<double>(r.rows() - r.first()));
   return {"cutoff", c.cutoff, c.cutoff - half_width, c.cutoff + half_width};
 }
 
+/// Found from a section, and fitted to all rows by Gauss-Newton steps.
 FilterCandidate best_filter(const RecordedVelocity& r) {
+  constexpr Eigen::Index enough = 4096;  // twelve time constants of the lowest cut-off that is tried
+  constexpr int most_steps = 8;
+  const RecordedVelocity section = busiest(r, enough);
   FilterCandidate best;
   for (const FilterFamily& family : filter_families())
     for (const int order : family.velocity_orders)
-      for (const Eigen::Index delay : {0, 1, 2})
-        if (const FilterCandidate c = best_cutoff(r, {&family, order, 0, delay, 1e300});
-            c.misfit < best.misfit)
-          best = c;
-  return best.misfit < 1e300 ? refined(r, best, 1e-3, 1e-8) : best;
+      if (const FilterCandidate c = best_cutoff(section, {&family, order}); c.misfit < best.misfit) best = c;
+  if (best.misfit == 1e300) return best;
+  best = with_cutoff(r, best, std::log(best.cutoff));
+  for (int i = 0; i < most_steps; ++i) {
+    const Eigen::ArrayXd slope = sensitivity_to_cutoff(r, best),
+                         deviation = deviation_from(r, filtered(r, best), best.delay);
+    const auto used = slope.head(deviation.size());
+    const double x = std::log(best.cutoff) + (used * deviation).sum() / used.square().sum();
+    if (!(x <= highest(r))) break;
+    const FilterCandidate next = with_cutoff(r, best, x);
+    if (!(next.misfit < best.misfit)) break;
+    best = next;
+  }
+  return best;
 }
 
 /// Tests whether the differences of the positions follow the stamps instead of a constant interval, and if so
 /// adds the cause, unless the spec has it.
-bool follows_stamps(Sanity& s, const RecordedVelocity& r, const Eigen::ArrayXd& time, std::size_t joint) {
-  const Eigen::Index n = time.size();
-  const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
+bool follows_stamps(Sanity& s, const RecordedVelocity& r, std::size_t joint) {
+  const Eigen::Index n = r.rows();
+  const Eigen::ArrayXd steps = r.time.tail(n - 1) - r.time.head(n - 1);
   const Eigen::ArrayXd speed = 0.5 * (r.velocity.tail(n - 1) + r.velocity.head(n - 1));
   const Eigen::ArrayXd moved = r.position.tail(n - 1) - r.position.head(n - 1);
   const Eigen::ArrayXd constant = moved - speed * r.interval;  // residual with a constant interval [rad]
@@ -151,8 +201,7 @@ bool follows_stamps(Sanity& s, const RecordedVelocity& r, const Eigen::ArrayXd& 
 void report_noise(Sanity& s, const RecordedVelocity& r, const FilterCandidate& best, const Filter& specified,
                   std::size_t joint) {
   constexpr double more = 2;  // a velocity of the drive's own, of finer readings, has less
-  Eigen::ArrayXd rest = filtered(r, design(best, 1 / r.interval), best.delay);
-  rest = r.velocity.tail(rest.size()) - rest;
+  const Eigen::ArrayXd rest = deviation_from(r, filtered(r, best), best.delay);
   const Eigen::Index n = rest.size();
   const bool from_row_to_row = rms(rest.tail(n - 1) - rest.head(n - 1)) > rms(rest);
   const double own = ideal_sigma(s, joint) * h2_norm(specified);
@@ -172,13 +221,15 @@ void report_noise(Sanity& s, const RecordedVelocity& r, const FilterCandidate& b
 }  // namespace
 
 void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t joint) {
+  constexpr Eigen::Index enough = 1 << 16;  // rows: a filter's cut-off is known to 1e-4 and better (1 kHz)
   const auto column = s.log.find(LogSignal::velocity, joint), stamps = s.log.find(LogSignal::time);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   if (!column || !stamps || !measured || s.log.values.rows() < 200) return;
   const Eigen::ArrayXd time = s.log.values.col(*stamps);
   const Eigen::Index n = time.size();
-  RecordedVelocity r{*measured, s.log.values.col(*column),
-                     (time[n - 1] - time[0]) / static_cast<double>(n - 1), 0};
+  const RecordedVelocity whole{time, *measured, s.log.values.col(*column),
+                               (time[n - 1] - time[0]) / static_cast<double>(n - 1), 0};
+  RecordedVelocity r = busiest(whole, enough);
   const LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
   r.rounding_sigma = head.step() / std::sqrt(12.0);
   if (rms(r.velocity) < 10 * r.rounding_sigma || peak_to_peak(r.position) < 200 * ideal_sigma(s, joint))
@@ -189,11 +240,12 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
     if (f.derivative == 1) {
       rate = f.sample_rate;
       if (std::abs(f.sample_rate * r.interval - 1) >= 0.01) continue;
-      if (const double of_this = misfit(r, f, 0); of_this < specified) specified = of_this, closest = &f;
+      if (const double of_this = rms(deviation_from(r, filtered(r, f), 0)); of_this < specified)
+        specified = of_this, closest = &f;
     }
   // Within the rounding of the file the spec's filter computes this velocity.
   if (specified < std::max(3 * r.rounding_sigma, 1e-3 * rms(r.velocity))) return;
-  if (!s.cannot_judge.empty() && follows_stamps(s, r, time, joint)) return;
+  if (!s.cannot_judge.empty() && follows_stamps(s, r, joint)) return;
   if (specified == 1e300) {
     if (rate > 0)
       s.warnings.push_back(head.header + ": the spec's filter runs at " + significant(rate, 6) +
@@ -208,7 +260,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   std::map<std::string, double> numbers{{"order", best.order}, {"cutoff", best.cutoff}};
   if (best.delay > 0) numbers["delay"] = static_cast<double>(best.delay) * r.interval;
   Cause c = exact_cause(s, joint, filter_mismatch_effect().name, std::move(numbers),
-                        std::exp(-0.1 * static_cast<double>(n) * std::log(specified / best.misfit)),
+                        std::exp(-0.1 * static_cast<double>(r.rows()) * std::log(specified / best.misfit)),
                         specified * r.interval, best.misfit * r.interval);
   c.effect.choices["family"] = best.family->name;
   c.parameters = {{"order", static_cast<double>(best.order), static_cast<double>(best.order),
