@@ -97,7 +97,8 @@ void read_unit(LogColumn& column, const Dimension& dimension, const std::string&
 }  // namespace
 
 LogColumn column_of(const LogHeader& header, LogSignal signal, std::size_t index, const Chain& chain) {
-  LogColumn column{signal, index, header.text, {}, {}, {}, {}};
+  LogColumn column;
+  column.signal = signal, column.index = index, column.header = header.text;
   read_unit(column, dimension_of(signal, index, chain), header.meaning.unit, header.place);
   return column;
 }

@@ -67,6 +67,9 @@ void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector
     files_[f].values.resize(files_[f].signals.size());
     files_[f].ended = files_.size() > 1 && files_[f].signals.empty();  // its stamps are no rows
     files_[f].interpolated = any && !of_readings[f] && missing_values_ != MissingValues::hold;
+    for (const std::size_t c : files_[f].columns)
+      if (files_[f].interpolated && columns_[c].joining == Joining::interpolated)
+        columns_[c].stamps = std::make_shared<std::vector<double>>();
   }
 }
 
@@ -194,8 +197,10 @@ bool LogTable::interpolate(File& file, double time) {
         if (std::isnan(file.values[k])) continue;
         std::deque<TimedValue>& around = of_file(k).around;
         // Of two values at one time the last one holds.
-        if (!around.empty() && around.back().time == file.time) around.pop_back();
+        const bool again = !around.empty() && around.back().time == file.time;
+        if (again) around.pop_back();
         around.push_back({file.time, file.values[k]});
+        if (!again && of_file(k).stamps) of_file(k).stamps->push_back(file.time);
       }
     }
   }

@@ -165,6 +165,7 @@ class LogReader::Rows {
       throw Error(table_.last_line(), "", "the log has no rows", "only a header", "");
     if (count == 0) {
       find_grids();
+      for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].samples = table_.samples(i);
       for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
       return false;
     }
@@ -271,8 +272,22 @@ class LogReader::Rows {
                              : file_rows[static_cast<std::size_t>(i)];
   }
 
+  /// Whether a column has poses and no samples of a motion: what a row differs by from the line through those
+  /// beside it is a part of a turn in the middle of all rows.
+  static bool has_poses(const Eigen::ArrayXd& x, double turn) {
+    constexpr double part = 1.0 / 12;  // no joint changes its speed by 30 degrees a row for half of a record
+    const Eigen::Index n = x.size() - 2;
+    if (n < 8) return false;
+    const Eigen::ArrayXd bend = (x.tail(n) - 2 * x.segment(1, n) + x.head(n)).abs();
+    return median({bend.begin(), bend.end()}) > part * turn;
+  }
+
   void remove_turns(Eigen::ArrayXXd& rows) {
+    if (log.rows == 0)
+      for (const auto& [column, unwrap] : unwraps_)
+        poses_ = poses_ || has_poses(rows.col(column), unwrap.turn());
     for (auto& [column, unwrap] : unwraps_) {
+      if (poses_) break;
       Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         std::int64_t before = unwrap.turns();
@@ -289,12 +304,12 @@ class LogReader::Rows {
     for (TurnAlignment& a : alignments_) align(a, rows);
   }
 
-  /// Removes whole turns between a reference and the measured position: the initial ones, and in a table
-  /// without time those of every row.
+  /// Removes whole turns between a reference and the measured position: the initial ones, and in a table of
+  /// poses those of every row.
   void align(TurnAlignment& f, Eigen::ArrayXXd& rows) {
     LogColumn& column = log.columns[static_cast<std::size_t>(f.column)];
-    const bool first = log.rows == 0;
-    if (!first && time_) {
+    const bool first = log.rows == 0, in_time = time_ && !poses_;
+    if (!first && in_time) {
       rows.col(f.column) += static_cast<double>(f.turns) * f.turn;
       return;
     }
@@ -303,7 +318,7 @@ class LogReader::Rows {
       // The median of some rows: the first one may be far off.
       const Eigen::ArrayXd apart =
           (measured - rows.col(f.column)).head(std::min<Eigen::Index>(7, rows.rows()));
-      const double turns_apart = (time_ ? median({apart.begin(), apart.end()}) : apart[0]) / f.turn;
+      const double turns_apart = (in_time ? median({apart.begin(), apart.end()}) : apart[0]) / f.turn;
       if (std::abs(turns_apart - std::round(turns_apart)) < 0.25 && std::abs(turns_apart) < 1e9)
         column.wraps.start = f.turns = std::llround(turns_apart);
       f.last = -(turns_apart - static_cast<double>(f.turns)) * f.turn;
@@ -311,7 +326,7 @@ class LogReader::Rows {
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
       double& reference = rows(i, f.column);
       reference += static_cast<double>(f.turns) * f.turn;
-      if (time_) continue;
+      if (in_time) continue;
       const int turns = turns_after(reference - measured[i] - f.last, f.turn);
       reference += turns * f.turn;
       f.turns += turns;
@@ -326,6 +341,7 @@ class LogReader::Rows {
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;
   std::optional<Eigen::Index> time_;
+  bool poses_ = false;  ///< the rows are no samples of a motion
   /// Column of counts, and the direction of the counter.
   struct Counts {
     Eigen::Index column;

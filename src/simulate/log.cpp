@@ -1,5 +1,6 @@
 #include "qerr/simulate/log.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace qerr {
@@ -24,6 +25,19 @@ std::uint64_t Log::row_number(Eigen::Index row) const {
   if (stretches.empty()) return static_cast<std::uint64_t>(row);
   return stretches[static_cast<std::size_t>(row / stretch_rows)] +
          static_cast<std::uint64_t>(row % stretch_rows);
+}
+
+std::vector<Eigen::Index> Log::rows_at_samples(std::size_t column) const {
+  std::vector<Eigen::Index> next;
+  const auto stamps = find(LogSignal::time);
+  if (!columns[column].samples || !stamps) return next;
+  const auto time = values.col(*stamps);
+  Eigen::Index k = 0;
+  for (const double sample : *columns[column].samples) {
+    while (k + 1 < time.size() && std::abs(time[k + 1] - sample) <= std::abs(time[k] - sample)) ++k;
+    if (next.empty() || next.back() != k) next.push_back(k);
+  }
+  return next;
 }
 
 std::optional<Eigen::Index> Log::find(LogSignal signal, std::size_t index) const {

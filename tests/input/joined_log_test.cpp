@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "support/log_file.hpp"
 
 namespace qerr {
@@ -128,6 +131,38 @@ TEST_F(JoinedLog, AReferenceOfAnotherRateIsInterpolated) {
     EXPECT_NEAR(reference[k], path(time[k]), 1e-7) << time[k];
     EXPECT_NEAR(temperature[k], temperature[0] + 10 * (std::clamp(time[k], 0.5, 1.5) - 0.5), 1e-9);
   }
+}
+
+/// Samples every 3 ms beside rows every 2 ms: the rows next to them.
+TEST_F(JoinedLog, RowsNextToTheSamplesOfAReferenceAreKnown) {
+  std::string counts = "time [s],shoulder.counts\n", truth = "time [s],shoulder.reference [rad]\n";
+  for (int i = 0; i < 100; ++i) counts += std::to_string(2e-3 * i) + ",1\n";
+  for (int i = 0; i < 20; ++i) truth += std::to_string(0.0065 + 7e-3 * i) + ",0.1\n";
+  const Log log = read_log(LogFiles({file("a.csv", counts), file("b.csv", truth)}), spec);
+  const Doubles time = column(log, LogSignal::time);
+  const auto reference = static_cast<std::size_t>(*log.find(LogSignal::reference));
+  const std::vector<Eigen::Index> rows = log.rows_at_samples(reference);
+  ASSERT_EQ(rows.size(), 20U);
+  for (std::size_t i = 1; i + 1 < rows.size(); ++i)
+    EXPECT_LE(std::abs(time[static_cast<std::size_t>(rows[i])] - (0.0065 + 7e-3 * static_cast<double>(i))),
+              1.0001e-3);
+  EXPECT_TRUE(log.rows_at_samples(static_cast<std::size_t>(*log.find(LogSignal::counts))).empty());
+}
+
+/// The angles of poses are no samples of a motion: from row to row they may change by any part of a turn.
+TEST_F(JoinedLog, PosesAreNotUnwrapped) {
+  std::mt19937 dice(3);
+  std::uniform_real_distribution<double> angle(-2.9, 2.9);
+  std::string text = "time [s],shoulder.counts,shoulder.reference [rad]\n";
+  std::vector<double> angles;
+  const double step = spec.model.transmission.encoders[0].resolution;
+  for (int i = 0; i < 60; ++i) {
+    angles.push_back(angle(dice));
+    text += std::to_string(4 * i) + ',' + std::to_string(std::llround(angles.back() / step)) + ',' +
+            shortest(angles.back()) + '\n';
+  }
+  const Doubles reference = column(read_log(file("poses.csv", text), spec), LogSignal::reference);
+  for (std::size_t k = 0; k < angles.size(); ++k) EXPECT_NEAR(reference[k], angles[k], 1e-12) << k;
 }
 
 TEST_F(JoinedLog, AReferenceOfAnotherRateMayWrap) {

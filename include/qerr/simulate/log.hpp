@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,6 +57,9 @@ struct LogColumn {
   /// Of counts: they are multiples of 1/denominator; above 1 for an interpolated encoder; known at the end.
   int denominator = 1;
   std::uint64_t held = 0;  ///< rows that had no value of their own and have the last one
+  /// Stamps of the samples between which the values are interpolated, ascending, in the time of the log [s];
+  /// null: the rows have values of their own.
+  std::shared_ptr<const std::vector<double>> samples;
 
   /// Log resolution: every value (before unwrapping) is a multiple of this [unit].
   double step() const;
@@ -90,6 +94,10 @@ struct Log {
 
   /// Index in the file of a row of `values`, from 0.
   std::uint64_t row_number(Eigen::Index row) const;
+
+  /// The rows next in time to the samples of an interpolated column, ascending: between samples its values
+  /// err alike from row to row. Empty: all rows.
+  std::vector<Eigen::Index> rows_at_samples(std::size_t column) const;
 
   bool has_time() const { return find(LogSignal::time).has_value(); }
 };

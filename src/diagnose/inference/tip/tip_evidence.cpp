@@ -151,8 +151,13 @@ void shorten(TipEvidence& e) {
   std::vector<Eigen::Index> starts = groups(e);
   e.repeat_noise = e.ordered ? noise_of_means(e.tip, starts) : 0;
   const Eigen::Index stride = (static_cast<Eigen::Index>(starts.size()) + most_rows - 1) / most_rows;
-  for (std::size_t g = 0; g < starts.size(); g += static_cast<std::size_t>(stride))
-    e.row_of_log.push_back(starts[g]);
+  for (std::vector<Eigen::Index>* numbers : {&e.row_of_log, &e.row_of_path}) {
+    if (numbers->empty()) continue;
+    std::vector<Eigen::Index> kept;
+    for (std::size_t g = 0; g < starts.size(); g += static_cast<std::size_t>(stride))
+      kept.push_back((*numbers)[static_cast<std::size_t>(starts[g])]);
+    *numbers = std::move(kept);
+  }
   const Fewer fewer(std::move(starts), e.rows(), stride);
   for (Evidence& encoder : e.encoders)
     for (Eigen::ArrayXd* series : series_of(encoder)) fewer.shorten(*series);
@@ -160,14 +165,23 @@ void shorten(TipEvidence& e) {
   e.tip = fewer.columns(e.tip);
 }
 
-/// Keeps the paths, and takes off the rows at both ends, whose neighbours in time are missing.
-TipEvidence without_ends(TipEvidence e) {
-  constexpr double longest = 0.2, part = 0.02;  // [s], and of the record
+std::vector<Eigen::Index> counting(Eigen::Index rows) {
+  std::vector<Eigen::Index> numbers(static_cast<std::size_t>(rows));
+  std::iota(numbers.begin(), numbers.end(), Eigen::Index{0});
+  return numbers;
+}
+
+/// Keeps the paths of all rows.
+void keep_paths(TipEvidence& e) {
   auto paths = std::make_shared<std::vector<ReadPath>>();
   for (const Evidence& own : e.encoders) paths->push_back({own.time, own.measured, own.path, own.velocity});
   e.paths = std::move(paths);
-  e.row_of_path.resize(static_cast<std::size_t>(e.rows()));
-  std::iota(e.row_of_path.begin(), e.row_of_path.end(), Eigen::Index{0});
+  e.row_of_path = counting(e.rows());
+}
+
+/// Takes off the rows at both ends, whose neighbours in time are missing.
+TipEvidence without_ends(TipEvidence e) {
+  constexpr double longest = 0.2, part = 0.02;  // [s], and of the record
   if (!e.ordered || e.rows() == 0) return e;
   const Eigen::ArrayXd& time = e.encoders.front().time;
   const double first = time[0], last = time[e.rows() - 1], margin = std::min(longest, part * (last - first));
@@ -199,8 +213,6 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   e.ordered = log.has_time();
   const Eigen::ArrayXd time = time_of(log);
   e.tip = log.values(Eigen::all, columns).matrix().transpose();
-  for (const Eigen::Index column : columns)
-    if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.log_resolution));
   e.joints.resize(count, rows);
   e.joint_noise.setZero(count);
   e.to_joints = model.transmission.coupling.dense();
@@ -227,7 +239,18 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);
   });
   take_off(e, present);
+  e.row_of_log = counting(rows);
+  // Between the samples of a slower tracker its noise is alike from row to row.
+  const std::vector<Eigen::Index> fresh = log.rows_at_samples(static_cast<std::size_t>(columns.front()));
+  if (!fresh.empty()) {
+    keep_paths(e);
+    e = with_rows(std::move(e), fresh);
+  }
+  for (const auto& axis : e.tip.rowwise())
+    if (e.ordered)
+      e.noise = std::max(e.noise, noise_of_path(e.encoders.front().time, axis.transpose(), e.log_resolution));
   shorten(e);
+  if (fresh.empty()) keep_paths(e);
   return without_ends(std::move(e));
 }
 
@@ -238,6 +261,7 @@ TipEvidence with_rows(TipEvidence e, const std::vector<Eigen::Index>& rows) {
   e.joints = e.joints(Eigen::all, rows).eval();
   e.tip = e.tip(Eigen::all, rows).eval();
   for (std::vector<Eigen::Index>* numbers : {&e.row_of_log, &e.row_of_path}) {
+    if (numbers->empty()) continue;
     std::vector<Eigen::Index> kept;
     for (const Eigen::Index k : rows) kept.push_back((*numbers)[static_cast<std::size_t>(k)]);
     *numbers = std::move(kept);

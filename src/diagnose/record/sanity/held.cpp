@@ -118,7 +118,15 @@ void report_hold(Sanity& s, const Hold& h, std::size_t encoder, LogSignal held, 
                  : "log at the rate of the sensor, or stamp its values when they are read; until then the " +
                        signal + " of the log " + (several ? "are " : "is ") + old,
        by_reader ? DataKind::remark : DataKind::repeated});
-  if (!by_reader) s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
+}
+
+/// Between the samples of another file its noise is alike from row to row, and would not show.
+double noise_of_reference(const Sanity& s, std::size_t encoder, const Eigen::ArrayXd& reference) {
+  const Eigen::ArrayXd time = s.log.values.col(*s.log.find(LogSignal::time));
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  const auto rows =
+      column ? s.log.rows_at_samples(static_cast<std::size_t>(*column)) : std::vector<Eigen::Index>{};
+  return rows.empty() ? noise_of_path(time, reference, 0) : noise_of_path(time(rows), reference(rows), 0);
 }
 
 std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
@@ -133,7 +141,7 @@ std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
     report_hold(s, *h, encoder, LogSignal::reference, "reference");
     return h;
   }
-  const double noise = noise_of_path(s.log.values.col(*stamps), reference, 0);
+  const double noise = noise_of_reference(s, encoder, reference);
   auto h = hold_of(s, {read->counts, reference, 1, held_deviations * std::sqrt(2.0) * noise});
   if (h) report_hold(s, *h, encoder, read->direct ? LogSignal::counts : LogSignal::measured, "counts");
   return h;
@@ -185,7 +193,8 @@ void check_held_sensors(Sanity& s) {
     if (const auto velocity = s.log.find(LogSignal::velocity, i)) drop_column(s.log, *velocity);
 }
 
-/// Tables that have been filled by interpolation: they have more rows than readings.
+/// References that are interpolated, by whoever made the table or as its files are joined: they have more
+/// rows than readings.
 
 namespace {
 
@@ -220,24 +229,47 @@ std::vector<Eigen::Index> knots_of(const Eigen::ArrayXd& x, double rounding) {
   return knots;
 }
 
+/// Rows of the readings between which the reference of a joint is interpolated; empty: its rows are readings.
+std::vector<Eigen::Index> rows_of_readings(const Sanity& s, std::size_t joint) {
+  const auto column = s.log.find(LogSignal::reference, joint);
+  if (!column) return {};
+  const LogColumn& of = s.log.columns[static_cast<std::size_t>(*column)];
+  if (of.samples) return s.log.rows_at_samples(static_cast<std::size_t>(*column));
+  // Values on a coarse grid are straight without interpolation.
+  if (s.reference_grid[joint] > 0 || of.step() > s.model.transmission.encoders[joint].resolution) return {};
+  return knots_of(s.log.values.col(*column), of.step());
+}
+
 }  // namespace
 
-void check_interpolated(Sanity& s, std::size_t encoder) {
-  const auto column = s.log.find(LogSignal::reference, encoder);
-  const auto read = recorded_counts(s, encoder);
-  // Values on a coarse grid are straight without interpolation.
-  if (!column || !read || s.reference_grid[encoder] > 0) return;
-  const double rounding = s.log.columns[static_cast<std::size_t>(*column)].step();
-  if (rounding > s.model.transmission.encoders[encoder].resolution) return;
-  const std::vector<Eigen::Index> knots = knots_of(s.log.values.col(*column), rounding);
-  if (knots.empty()) return;
-  const std::size_t readings = knots.size() + 2;
-  s.data.push_back({"the reference is interpolated between about " + std::to_string(readings) +
-                        " readings: the " + std::to_string(s.log.values.rows()) + " rows are not independent",
-                    s.model.chain.independent[encoder].name, s.log.row_number(knots.front()) + 1,
-                    time_of(s, knots.front()),
-                    "record the readings themselves; between them nothing can be judged, and orders above " +
-                        std::to_string(readings / 2) + " per record cannot be told from lower ones"});
+void check_interpolated(Sanity& s) {
+  constexpr double nearly_all = 0.75;  // of the rows, beyond which errors of neighbours are hardly alike
+  const auto all = static_cast<std::size_t>(s.log.values.rows());
+  std::vector<Eigen::Index> fresh;
+  const auto add = [&](const std::vector<Eigen::Index>& rows) {
+    std::vector<Eigen::Index> either;
+    std::set_union(fresh.begin(), fresh.end(), rows.begin(), rows.end(), std::back_inserter(either));
+    fresh = std::move(either);
+  };
+  for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
+    if (!recorded_counts(s, j)) continue;
+    const std::vector<Eigen::Index> rows = rows_of_readings(s, j);
+    if (rows.empty() || static_cast<double>(rows.size()) > nearly_all * static_cast<double>(all)) continue;
+    add(rows);
+    const std::size_t column = static_cast<std::size_t>(*s.log.find(LogSignal::reference, j));
+    s.data.push_back({"the reference is interpolated between " + counted(rows.size(), "reading") + ": of " +
+                          counted(all, "row") + " only those next to one are judged",
+                      s.model.chain.independent[j].name, s.log.row_number(rows.front()) + 1,
+                      time_of(s, rows.front()),
+                      (s.log.columns[column].samples ? "record the reference at the rate of the encoder"
+                                                     : "record the readings themselves") +
+                          std::string(": between them nothing can be judged")});
+  }
+  if (fresh.empty()) return;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (const auto tip = s.log.find(LogSignal::tip, axis))
+      add(s.log.rows_at_samples(static_cast<std::size_t>(*tip)));
+  keep_rows(s, fresh);
 }
 
 }  // namespace qerr::sanity

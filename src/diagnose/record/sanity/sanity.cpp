@@ -125,23 +125,24 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   if (s.log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
   sanity::check_exchange(s);
-  for (const auto step : {sanity::check_constant_columns, sanity::check_unit, sanity::check_turns,
-                          sanity::check_rollover, sanity::check_decoding, sanity::check_frozen_reference,
-                          sanity::check_log_resolution, sanity::check_reference_grid,
-                          sanity::check_interpolated, sanity::check_motion, sanity::check_controller_output})
+  for (const auto step :
+       {sanity::check_constant_columns, sanity::check_unit, sanity::check_turns, sanity::check_rollover,
+        sanity::check_decoding, sanity::check_frozen_reference, sanity::check_log_resolution,
+        sanity::check_reference_grid, sanity::check_motion, sanity::check_controller_output})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_loads(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_stuck_bit(s, i);
   sanity::check_outliers(s);
   sanity::check_held_sensors(s);  // before stuck sensors: a hold of many rows looks like one
-  for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_reference_noise,
-                          sanity::check_stuck_sensor})
+  for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_unreferenced(s, i);
   sanity::check_tracker(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity_column(s, i);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
+  sanity::check_interpolated(s);  // last: the other checks see all rows
+  for (std::size_t i = 0; i < encoders; ++i) sanity::check_reference_noise(s, i);
   return s;
 }
 

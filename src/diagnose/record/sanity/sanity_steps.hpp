@@ -74,13 +74,13 @@ struct OtherUnit {
 std::optional<OtherUnit> other_unit(const LogColumn&, double ratio, bool prismatic);
 
 void check_stamps(Sanity&);
-void check_interpolated(Sanity&, std::size_t encoder);
 void check_motion(Sanity&, std::size_t encoder);
 void check_exchange(Sanity&);
 void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
 void check_held_cells(Sanity&);
 void check_held_sensors(Sanity&);
+void check_interpolated(Sanity&);
 void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);
 void check_reference_noise(Sanity&, std::size_t encoder);
