@@ -61,11 +61,11 @@ struct Term {
   /// What to inspect, of an uncatalogued term; empty: that of its pattern. A literal.
   std::string_view next = {};
 
-  bool constant = false;  ///< the same at every row
-  bool step = false;      ///< zero before the time `effect.number("time")`
-  bool whole = false;     ///< its coefficients are integers, in counts
-  bool positive = false;  ///< a negative coefficient has no physical meaning
-  bool harmonic = false;  ///< a sine of a shaft's angle
+  bool constant = false;      ///< the same at every row
+  bool step = false;          ///< zero before the time `effect.number("time")`
+  bool whole = false;         ///< its coefficients are integers, in counts
+  Eigen::Index positive = 0;  ///< leading coefficients of which a negative one has no physical meaning
+  bool harmonic = false;      ///< a sine of a shaft's angle
 
   /// A parameter on which the columns depend non-linearly (an order, a time constant), the half-width of its
   /// search interval, and the same term at another value; null for a term without such a parameter.

@@ -139,7 +139,9 @@ Eigen::VectorXd Sensing::dynamic_effort(double time) const {
 Moment Sensing::moment(std::size_t joint, std::size_t i) const {
   const std::size_t k = joint * batch_size + i;
   const double rise = temperature_ ? temperature_rise(joint, batch_.time[i]) : 0;
-  return {batch_.first + i, batch_.time[i], joint_[k], effort_ ? efforts_[k] : 0, rise};
+  const JointState state = effort_ ? path_.path().at(joint, batch_.time[i]) : JointState{};
+  return {batch_.first + i, batch_.time[i],    joint_[k], effort_ ? efforts_[k] : 0, rise,
+          state.velocity,   state.acceleration};
 }
 
 /// The joint position that reaches the encoder shaft: at the instant of its clock, after link and gear.
@@ -150,7 +152,11 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
     const double instant = through(a.clock, m.time, m);
     m.time = instant;
     m.joint = position(joint, instant);
-    if (effort_ && !a.motion.empty()) m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
+    if (effort_ && !a.motion.empty()) {
+      const JointState state = path_.path().at(joint, instant);
+      m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
+      m.velocity = state.velocity, m.acceleration = state.acceleration;
+    }
   }
   return through(a.motion, m.joint, m);
 }

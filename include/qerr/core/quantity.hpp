@@ -17,7 +17,8 @@ struct Dimension {
 namespace dimension {
 inline constexpr Dimension none{}, length{1}, angle{0, 1}, time{0, 0, 1}, frequency{0, 0, -1},
     speed{1, 0, -1}, angular_speed{0, 1, -1}, torque{1, 0, 0, 1}, compliance{-1, 1, 0, -1},
-    temperature{0, 0, 0, 0, 1}, angle_per_temperature{0, 1, 0, 0, -1};
+    damping{1, -1, 1, 1}, inertia{1, -1, 2, 1}, temperature{0, 0, 0, 0, 1},
+    angle_per_temperature{0, 1, 0, 0, -1};
 }  // namespace dimension
 
 /// The SI name of a dimension, such as `rad`, `m/s^2`, `rad/(N m)`, or "" for a pure number.

@@ -35,6 +35,8 @@ struct Moment {
   double joint = 0;             ///< true joint position [rad or m]
   double effort = 0;            ///< torque or force at the joint [N m or N]
   double temperature_rise = 0;  ///< since the start [K]
+  double velocity = 0;          ///< of the joint [rad/s or m/s]; 0 where no effect needs the effort
+  double acceleration = 0;      ///< the same [rad/s^2 or m/s^2]
 };
 
 /// Maps the signal at the effect's stage to the disturbed signal. May keep a state from sample to sample: use
@@ -139,7 +141,8 @@ struct EffectKind {
   /// Displacements of a joint's origin, of stage `kinematics`: terms without columns.
   std::vector<Term> (*displacements)(const std::string& joint) = nullptr;
   std::optional<Scattering> scattering = {};
-  /// Error in every row of a record, if computed from the record's signals instead of `action` [rad or m].
+  /// Error in every row of a record, if computed from the record's signals instead of `action` [rad or m];
+  /// empty: `action` computes it.
   Eigen::ArrayXd (*replay)(const Effect&, const RecordSignals&) = nullptr;
   bool first_in_stage = false;  ///< acts before the other effects of its stage
   std::vector<Twin> twins = {};
@@ -168,6 +171,9 @@ inline Dimension dimension_at(const Parameter& p, bool prismatic) {
   if (p.coordinate) return prismatic ? dimension::length : dimension::angle;
   if (prismatic && p.dimension == dimension::compliance) return {1, 0, 0, -1, 0};
   if (prismatic && p.dimension == dimension::angle_per_temperature) return {1, 0, 0, 0, -1};
+  if (prismatic && p.dimension == dimension::torque) return {0, 0, 0, 1};
+  if (prismatic && p.dimension == dimension::damping) return {-1, 0, 1, 1};
+  if (prismatic && p.dimension == dimension::inertia) return {-1, 0, 2, 1};
   return p.dimension;
 }
 

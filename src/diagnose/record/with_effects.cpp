@@ -26,16 +26,21 @@ struct SignalPath {
         if (other->joint == effect.choices.at("of")) signal += effect.number("factor") * other->path;
       return;
     }
-    if (kind.replay) {
-      signal += kind.replay(effect, e);
-      return;
-    }
+    if (kind.replay)
+      if (const Eigen::ArrayXd added = kind.replay(effect, e); added.size() > 0) {
+        signal += added;
+        return;
+      }
     const Stage stage = kind.stage;
     const Action action = kind.action(effect, e.encoder, 0);
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
-      const Moment moment{static_cast<std::uint64_t>(k), e.time[k], path[k],
+      const Moment moment{static_cast<std::uint64_t>(k),
+                          e.time[k],
+                          path[k],
                           e.effort.size() > 0 ? e.effort[k] : 0,
-                          e.temperature.size() > 0 ? e.temperature[k] : 0};
+                          e.temperature.size() > 0 ? e.temperature[k] : 0,
+                          velocity[k],
+                          e.acceleration.size() > 0 ? e.acceleration[k] : 0};
       if (stage == Stage::clock) {
         signal[k] += position_at(e.time, path, velocity, action(e.time[k], moment)) - path[k];
       } else if (stage == Stage::decoder) {
@@ -71,6 +76,10 @@ void move(Evidence& e, const Eigen::ArrayXd& by) {
 }
 
 }  // namespace
+
+Eigen::ArrayXd path_as_read(const Evidence& e, const std::vector<Effect>& clocks) {
+  return e.joint_angle() + joint_addition(e, clocks);
+}
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   if (std::none_of(effects.begin(), effects.end(), [&](const Effect& x) { return x.joint == e.joint; }))

@@ -15,6 +15,9 @@ namespace qerr {
 /// of the load need the effort column.
 Evidence with_effects(Evidence, const std::vector<Effect>&);
 
+/// The joint's path where the clocks of its encoder read it: what drives a play at the joint [rad or m].
+Eigen::ArrayXd path_as_read(const Evidence&, const std::vector<Effect>& clocks);
+
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
 /// add.
 void add_coupled_effects(std::vector<Evidence>&, const Transmission&, const std::vector<Effect>&);

@@ -152,7 +152,7 @@ double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set&
 
 bool LinearModel::possible(const ColumnGroup& g, const Eigen::VectorXd& scaled) const {
   const double value = scaled[0] * scale_[g.first];
-  if (g.positive && value <= 0) return false;
+  if (g.positive > 0 && (value <= 0 || (scaled.head(g.positive).array() < 0).any())) return false;
   if (g.most > 0 && (value < g.least || value > g.most)) return false;
   return scaled.dot(centred_.block(g.first, g.first, g.count, g.count) * scaled) <= cancelling * spread_;
 }
@@ -219,7 +219,7 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
         const auto across = p.across.middleCols(c.first, c.count);
         Eigen::MatrixXd own = gram_.block(c.first, c.first, c.count, c.count) - across.transpose() * across;
         const Eigen::VectorXd r = moment_.segment(c.first, c.count) - across.transpose() * p.solution;
-        if (c.count == 1 && c.positive && r[0] <= 0) {
+        if (c.count == 1 && c.positive > 0 && r[0] <= 0) {
           score[g] = r, left[g] = own;
           continue;
         }

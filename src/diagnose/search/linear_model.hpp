@@ -12,10 +12,10 @@ Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::Vecto
 /// A group of columns that enters a model as a whole.
 struct ColumnGroup {
   Eigen::Index first = 0, count = 0;
-  int family = 0;         ///< of a family, a model has at most one group
-  double price = 0;       ///< of the criterion, in units of -2 log-likelihood
-  double least_gain = 0;  ///< decrease of the sum of squares that makes it worth a mention
-  bool positive = false;  ///< its (one) coefficient cannot be negative
+  int family = 0;             ///< of a family, a model has at most one group
+  double price = 0;           ///< of the criterion, in units of -2 log-likelihood
+  double least_gain = 0;      ///< decrease of the sum of squares that makes it worth a mention
+  Eigen::Index positive = 0;  ///< leading coefficients that cannot be negative
   /// Bounds of its (one) coefficient in the units of the column; 0, 0: none.
   double least = 0, most = 0;
   bool allowed = true;  ///< may enter a model

@@ -55,7 +55,7 @@ std::vector<Term> terms(const RecordSignals& s) {
   if (!s.ordered || s.is_stationary()) return {};
   Term drive = linear_term(s, "backlash", 0.5 * s.direction,
                            [](Effect& e, const Eigen::VectorXd& c) { e.numbers["gap"] = c[0]; });
-  drive.positive = true;
+  drive.positive = 1;
   drive.hysteresis = lead;
   Term load = drive;
   load.columns *= -1;
@@ -98,7 +98,7 @@ EffectKind backlash_effect() {
       // While the drive crosses the play the joint stands still: only the readings tell where the drive is.
       .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
         const double gap = e.number("gap");
-        if (lags(e) && gap > 0) return gap * lag(s.joint_angle(), gap);
+        if (lags(e)) return {};
         if (s.readings_drive(gap)) return gap * lead(s.measured, gap);
         return 0.5 * gap * s.direction;
       },

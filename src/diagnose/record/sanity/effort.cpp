@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/solve.hpp"
@@ -27,16 +27,39 @@ struct JointPath {
   Eigen::ArrayXd position, velocity, acceleration;
 };
 
+std::vector<Eigen::Index> all_rows(Eigen::Index count) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(count));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  return rows;
+}
+
+/// A signal of some instants at others, linear between them and constant beyond.
+Eigen::ArrayXd interpolated(const Eigen::ArrayXd& instants, const Eigen::ArrayXd& signal,
+                            const Eigen::ArrayXd& at) {
+  return at.unaryExpr([&](double t) {
+    const auto next = std::upper_bound(instants.begin(), instants.end(), t) - instants.begin();
+    if (next == 0 || next == instants.size()) return signal[std::max<Eigen::Index>(0, next - 1)];
+    const double part = (t - instants[next - 1]) / (instants[next] - instants[next - 1]);
+    return signal[next - 1] + part * (signal[next] - signal[next - 1]);
+  });
+}
+
 std::optional<JointPath> joint_path(const Sanity& s, std::size_t joint) {
   const auto time = s.log.find(LogSignal::time), column = s.log.find(LogSignal::reference, joint);
   if (!time || !column) return std::nullopt;
   const Eigen::ArrayXd t = s.log.values.col(*time);
   const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
-  // A load needs a smooth acceleration more than an exact velocity.
-  const SmoothPath path = smooth_path(t, s.log.values.col(*column), step, true);
-  return JointPath{
-      path.position, path.velocity,
-      path.acceleration.size() > 0 ? path.acceleration : smooth_path(t, path.velocity, 0).velocity};
+  // A load needs a smooth acceleration more than an exact velocity. Between the samples of a slower reference
+  // its noise is alike from row to row, and no path smooth.
+  std::vector<Eigen::Index> rows = s.log.rows_at_samples(static_cast<std::size_t>(*column));
+  if (rows.empty()) rows = all_rows(t.size());
+  const Eigen::ArrayXd read = t(rows);
+  const SmoothPath path = smooth_path(read, s.log.values.col(*column)(rows), step, true);
+  const Eigen::ArrayXd acceleration =
+      path.acceleration.size() > 0 ? path.acceleration : smooth_path(read, path.velocity, 0).velocity;
+  if (read.size() == t.size()) return JointPath{path.position, path.velocity, acceleration};
+  return JointPath{interpolated(read, path.position, t), interpolated(read, path.velocity, t),
+                   interpolated(read, acceleration, t)};
 }
 
 /// Those with a reference, of all joints.
@@ -214,7 +237,7 @@ constexpr double follows_masses = 0.9;
 /// Payloads and friction change the factor of an effort in N m by less than this.
 constexpr double same_unit = 1.5;
 
-/// A load is replaced by another one, and the rotor's share taken off, for so much less of an error's rest.
+/// A load by the masses takes the place of an effort for so much less of an error's rest (convention).
 constexpr double matters = 0.9;
 
 /// What an effort of the wrong sign leaves of the error that it causes (convention).
@@ -227,62 +250,27 @@ Eigen::ArrayXd direction_by_speed(const Eigen::ArrayXd& velocity) {
   return (velocity / ramp).max(-1.0).min(1.0);
 }
 
-/// A series that may deflect the gear, and how well the error follows it.
-struct Deflecting {
-  Eigen::ArrayXd load;
-  double residual_rms = 0;
-};
-
-/// What of an effort deflects the gear: it, less the shares of its parts that act before the gear.
-/// @param effort  without dry friction
-/// @param parts   columns of it by the speed and by the acceleration: friction, and what accelerates the
-/// rotor
-///   and the link. Their shares are what the error tells, where they leave less of it than all friction by
-///   the speed and no acceleration before the gear.
-Deflecting deflecting(const Eigen::ArrayXd& effort, const Eigen::MatrixXd& parts,
-                      const Eigen::ArrayXd& error) {
-  const Eigen::ArrayXd plain = effort - parts.col(0).array();
-  const double alone = regression(plain.matrix(), error).residual_rms;
-  Eigen::MatrixXd columns(effort.size(), parts.cols() + 1);
-  columns << effort.matrix(), parts;
-  const Regression all = regression(columns, error);
-  if (all.coefficients[0] == 0) return {plain, alone};
-  const Eigen::VectorXd shares =
-      (-all.coefficients.segment(1, parts.cols()) / all.coefficients[0]).cwiseMax(0.0).cwiseMin(1.0);
-  const Eigen::ArrayXd less = effort - (parts * shares).array();
-  const double left = regression(less.matrix(), error).residual_rms;
-  return left > matters * alone ? Deflecting{plain, alone} : Deflecting{less, left};
-}
-
 /// An effort by least squares: factor load + friction by direction and speed + inertia acceleration +
 /// constant.
 struct EffortParts {
-  double factor = 0;  ///< of the load by the URDF's masses; 0: not known
-  double dry = 0;     ///< friction [unit of the effort]
-  Eigen::ArrayXd dry_friction;
-  Eigen::MatrixXd on_both_sides;  ///< of the gear: by speed, by acceleration
-  Eigen::ArrayXd gravity;         ///< by sine and cosine of the joint's angle; empty where masses are known
+  double factor = 0;       ///< of the load by the URDF's masses; 0: they do not tell
+  double dry = 0;          ///< friction [unit of the effort]
+  Eigen::MatrixXd beside;  ///< columns that take off what the gear does not transmit: all rows x 3
 };
 
-/// @param loads  null: gravity takes its place, by sine and cosine of the joint's angle
-EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const Loads* loads) {
-  const Loads every{m.position, 1};
-  const Loads& l = loads ? *loads : every;
-  const Eigen::ArrayXd direction = direction_by_speed(m.velocity), sampled = l.of_rows(effort);
-  Eigen::MatrixXd columns(sampled.size(), loads ? 4 : 5);
-  columns << l.of_rows(direction).matrix(), l.of_rows(m.velocity).matrix(),
-      l.of_rows(m.acceleration).matrix(),
-      loads ? Eigen::MatrixXd(l.sampled.matrix())
-            : (Eigen::MatrixXd(sampled.size(), 2) << m.position.sin(), m.position.cos()).finished();
+EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const Loads& loads) {
+  EffortParts p;
+  p.beside.resize(effort.size(), 3);
+  p.beside << direction_by_speed(m.velocity).matrix(), m.velocity.matrix(), m.acceleration.matrix();
+  const Eigen::ArrayXd sampled = loads.of_rows(effort);
+  Eigen::MatrixXd columns(sampled.size(), 4);
+  columns << loads.sampled.matrix(), p.beside(Eigen::seqN(0, sampled.size(), loads.stride), Eigen::all);
   const Regression r = regression(columns, sampled);
-  EffortParts p{
-      0, std::abs(r.coefficients[0]), r.coefficients[0] * direction, Eigen::MatrixXd(effort.size(), 2), {}};
-  p.on_both_sides << r.coefficients[1] * m.velocity.matrix(), r.coefficients[2] * m.acceleration.matrix();
-  if (!loads) p.gravity = r.coefficients[3] * m.position.sin() + r.coefficients[4] * m.position.cos();
+  p.dry = std::abs(r.coefficients[1]);
   const double left = r.residual_rms;
-  if (loads && std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
-      std::abs(r.coefficients[3]) * standard_deviation(l.sampled) > 3 * left)
-    p.factor = r.coefficients[3];
+  if (std::pow(left / standard_deviation(sampled), 2) < 1 - follows_masses &&
+      std::abs(r.coefficients[0]) * standard_deviation(loads.sampled) > 3 * left)
+    p.factor = r.coefficients[0];
   return p;
 }
 
@@ -319,45 +307,71 @@ void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double fa
   s.log.values.col(column) /= factor;
 }
 
+/// An effort without what dry friction holds at rest, which does not tell: there, and where the joint nearly
+/// rests, it is what it has of weight, friction and inertia in motion. Empty where these are not all of it,
+/// as on an arm whose other joints turn the weight.
+std::optional<Eigen::ArrayXd> without_stiction(const Eigen::ArrayXd& effort, const JointPath& m) {
+  constexpr double slow = 0.05, unexplained = 0.2;  // of the highest speed; of the effort (conventions)
+  const Eigen::ArrayXd speed = m.velocity.abs();
+  std::vector<Eigen::Index> moving, resting;
+  for (Eigen::Index k = 0; k < speed.size(); ++k)
+    (speed[k] > slow * speed.maxCoeff() ? moving : resting).push_back(k);
+  if (static_cast<Eigen::Index>(moving.size()) < fewest_rows_of_slope) return std::nullopt;
+  Eigen::MatrixXd columns(effort.size(), 6);
+  columns << direction_by_speed(m.velocity).matrix(), m.velocity.matrix(), m.acceleration.matrix(),
+      m.position.sin().matrix(), m.position.cos().matrix(), Eigen::VectorXd::Ones(effort.size());
+  const Eigen::VectorXd in_motion = effort(moving).matrix();
+  const Eigen::VectorXd parts = least_norm_solution(columns(moving, Eigen::all), in_motion);
+  const Eigen::VectorXd by_parts = columns * parts;
+  if (rms((in_motion - by_parts(moving)).array()) > unexplained * standard_deviation(in_motion.array()))
+    return std::nullopt;
+  Eigen::ArrayXd less = effort;
+  less(resting) = by_parts(resting).array();
+  return less;
+}
+
+/// Puts the load by the masses in the effort's place where it leaves less of the error than the effort
+/// without what a drive needs for itself.
+/// @returns whether it did
+bool replace_by_masses(Sanity& s, std::size_t joint, Eigen::Index column, const EffortParts& parts,
+                       const Loads& loads, const Eigen::ArrayXd& error) {
+  const Eigen::ArrayXd effort = s.log.values.col(column), load = loads.at_all(effort.size());
+  Eigen::MatrixXd of_drive(effort.size(), 4);
+  of_drive << effort.matrix(), parts.beside;
+  const double by_effort = std::min(regression(of_drive, error).residual_rms, standard_deviation(error));
+  if (regression(load.matrix(), error).residual_rms >= matters * by_effort) return false;
+  LogColumn& head = s.log.columns[static_cast<std::size_t>(column)];
+  s.data.push_back({head.header + " is more than the load: friction of " + readable(parts.dry, head.unit) +
+                        ", and what the rotor takes",
+                    s.model.chain.independent[joint].name,
+                    {},
+                    {},
+                    "the load by the masses of the URDF is used in its place"});
+  head.unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+  s.log.values.col(column) = load;
+  return true;
+}
+
 void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& motion,
                const std::optional<Loads>& loads) {
   const auto column = s.log.find(LogSignal::effort, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   if (!column || !motion || !measured) return;
-  const Eigen::ArrayXd effort = s.log.values.col(*column);
-  const Eigen::ArrayXd error = *measured - s.log.values.col(*s.log.find(LogSignal::reference, joint));
+  auto effort = s.log.values.col(*column);
   if (standard_deviation(effort) == 0) return;
-  const EffortParts parts = effort_parts(effort, *motion, loads ? &*loads : nullptr);
-  const double plain = std::min(regression(effort.matrix(), error).residual_rms, standard_deviation(error));
-  Deflecting free = deflecting(effort - parts.dry_friction, parts.on_both_sides, error);
-  // A current has noise, and friction that no straight line describes: of a single joint the load is smooth.
-  if (parts.gravity.size() > 0) {
-    Deflecting smooth =
-        deflecting(parts.gravity + parts.on_both_sides.rowwise().sum().array(), parts.on_both_sides, error);
-    if (smooth.residual_rms < matters * free.residual_rms) free = std::move(smooth);
-  }
-  Deflecting modelled{{}, std::numeric_limits<double>::infinity()};
-  if (loads) {
-    modelled.load = loads->at_all(effort.size());
-    modelled.residual_rms = regression(modelled.load.matrix(), error).residual_rms;
-  }
+  const Eigen::ArrayXd error = *measured - s.log.values.col(*s.log.find(LogSignal::reference, joint));
   LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
-  const bool by_masses = modelled.residual_rms < matters * std::min(plain, free.residual_rms);
-  if (by_masses || free.residual_rms < matters * plain)
-    s.data.push_back({head.header + " is more than the load: friction of " + readable(parts.dry, head.unit) +
-                          ", and what the rotor takes",
-                      s.model.chain.independent[joint].name,
-                      {},
-                      {},
-                      by_masses ? "the load by the masses of the URDF is used in its place"
-                                : "the load without them is used"});
-  if (by_masses) {
-    head.unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
-    s.log.values.col(*column) = modelled.load;
-    return;
+  double factor = 0;
+  if (loads) {
+    const EffortParts parts = effort_parts(effort, *motion, *loads);
+    if (replace_by_masses(s, joint, *column, parts, *loads, error)) return;
+    factor = parts.factor;
   }
-  if (free.residual_rms < matters * plain) s.log.values.col(*column) = free.load;
-  if (parts.factor != 0) convert_effort(s, joint, *column, parts.factor);
+  // A current has noise, which would be an error of the load.
+  effort = smooth_path(s.log.values.col(*s.log.find(LogSignal::time)), effort, head.step(), true).position;
+  if (!loads)
+    if (const auto less = without_stiction(effort, *motion)) effort = *less;
+  if (factor != 0) convert_effort(s, joint, *column, factor);
   // Without masses only the error itself tells the sign: no load deflects a gear against itself.
   const Line of_error = fit_line(s.log.values.col(*column).array(), error);
   if (!loads && of_error.slope < 0 && of_error.residual_rms < opposite * standard_deviation(error)) {
@@ -370,7 +384,7 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
                       DataKind::contradictory});
   }
   const std::string force = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
-  if (parts.factor == 0 && (head.unit == "A" || head.unit == "1"))
+  if (factor == 0 && (head.unit == "A" || head.unit == "1"))
     s.data.push_back({head.header + ": no masses tell what 1 " + head.unit + " is in " + force +
                           ": a compliance of " + s.model.chain.independent[joint].name + " is per " +
                           head.unit + " here",

@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "qerr/diagnose/diagnosis.hpp"
+#include "support/one_joint_record.hpp"
+
+namespace qerr {
+namespace {
+
+/// An arm on a compliant gear, whose drive logs its own torque: what the gear transmits, and what the drive
+/// needs for its friction and its rotor.
+struct Drive {
+  Machine machine;
+  double weight = 0, inertia = 0, friction = 0, rotor = 0;  // [N m, kg m^2]
+  Column load, torque;
+
+  explicit Drive(unsigned seed) : machine(seed) {
+    Machine& m = machine;
+    m.rate = 500, m.rows = 10000, m.resolution = 2e-5, m.noise = 0.05 * m.resolution;
+    m.sines = {{m.between(0.6, 1.1), {2 * std::numbers::pi * m.between(0.15, 0.3), m.between(0, 6)}},
+               {m.between(0.1, 0.2), {2 * std::numbers::pi * m.between(0.5, 0.9), m.between(0, 6)}}};
+    m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+    m.path = m.along(m.time);
+    Column speed = Column::Zero(m.rows), change = speed;
+    for (const auto& [a, wave] : m.sines) {
+      speed += a * wave[0] * (wave[0] * m.time + wave[1]).cos();
+      change -= a * wave[0] * wave[0] * (wave[0] * m.time + wave[1]).sin();
+    }
+    weight = m.between(3, 10), inertia = m.between(0.5, 1.5);
+    friction = m.between(0.1, 0.3) * weight, rotor = m.between(0.2, 0.8) * inertia;
+    load = weight * m.path.cos() + inertia * change;
+    torque = load + friction * speed.sign() + rotor * change;
+    for (double& t : torque) t += 0.005 * weight * m.normal();
+  }
+
+  Diagnosis diagnosed(double compliance) {
+    return diagnose(model_of(machine), {}, {},
+                    qerr::log_of({{LogSignal::time, machine.time},
+                                  {LogSignal::counts, machine.counted(machine.path + compliance * load), 0},
+                                  {LogSignal::reference, machine.reference()},
+                                  {LogSignal::effort, torque, 6}}));
+  }
+};
+
+/// Neither an eccentricity for the weight, nor a play for the friction.
+TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Drive drive(600 + seed);
+    const double compliance = drive.machine.between(4, 15) * drive.machine.resolution / drive.weight;
+    const Diagnosis d = drive.diagnosed(compliance);
+    ASSERT_EQ(d.causes.size(), 1U) << seed;
+    const Effect& found = d.causes[0].effect;
+    EXPECT_EQ(found.type, "compliance") << seed;
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    EXPECT_NEAR(found.number("compliance"), compliance, 0.03 * compliance) << seed;
+    EXPECT_NEAR(found.number_or("friction", 0), drive.friction, 0.1 * drive.friction) << seed;
+    EXPECT_NEAR(found.number_or("inertia", 0), drive.rotor, 0.2 * drive.rotor) << seed;
+  }
+}
+
+TEST(DriveTorque, OfAStiffGearIsNoFault) {
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    EXPECT_EQ(Drive(650 + seed).diagnosed(0).verdict, Verdict::nothing_wrong) << seed;
+}
+
+}  // namespace
+}  // namespace qerr
