@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
 
@@ -17,6 +20,43 @@ TEST(Latency, OfManyCountsIsTheOnlyCause) {
     EXPECT_TRUE(d.alternatives.empty()) << seed;
     EXPECT_NEAR(d.causes[0].effect.number("delay"), delay, 1e-3 * delay) << seed;
     EXPECT_LT(d.gain.counts_after, 0.45) << seed;
+  }
+}
+
+/// Where a play leaves what it drives, along a finely sampled path of the driving side.
+Column driven(const Column& driving, double gap) {
+  Column at = driving;
+  for (Eigen::Index k = 1; k < at.size(); ++k)
+    at[k] = std::clamp(at[k - 1], driving[k] - gap / 2, driving[k] + gap / 2);
+  return at;
+}
+
+/// A late encoder on either side of a play: what drives the play is late, too.
+TEST(Latency, OfPlayIsFoundWithIt) {
+  constexpr int fine = 20;
+  for (unsigned seed = 1; seed <= 16; ++seed) {
+    Machine m(700 + seed);
+    m.rate = 100, m.rows = 3000, m.noise = 0.05 * m.resolution;
+    m.sines = {{0.9, {2 * std::numbers::pi * m.between(0.1, 0.3), m.between(0, 6)}},
+               {0.12, {2 * std::numbers::pi * m.between(0.5, 1.2), m.between(0, 6)}}};
+    m.resolution = 3e-5, m.noise = 0.05 * m.resolution;
+    m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+    const double gap = m.between(4, 14) * m.resolution, delay = 1 / m.rate;
+    const bool drives = seed % 2 == 0;  // the encoder's side
+    // The delay is whole rows, and the path begins before the record.
+    const Column times =
+        Column::LinSpaced((m.rows + 100) * fine, -100 * fine, m.rows * fine - 1) / (m.rate * fine);
+    const Column one = m.along(times), other = driven(one, gap);
+    const auto rows = Eigen::seqN(100 * fine, m.rows, fine);
+    const auto before = Eigen::seqN(99 * fine, m.rows, fine);
+    m.path = (drives ? other : one)(rows);
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted((drives ? one : other)(before))));
+    std::map<std::string, double> found;
+    for (const Cause& c : d.causes)
+      for (const auto& [parameter, value] : c.effect.numbers) found[c.effect.type + ' ' + parameter] = value;
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    EXPECT_NEAR(found["latency delay"], delay, 0.01 * delay) << seed;
+    EXPECT_NEAR(found["backlash gap"], gap, 0.1 * gap) << seed << ' ' << gap / m.resolution;
   }
 }
 

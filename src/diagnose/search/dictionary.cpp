@@ -7,6 +7,7 @@
 
 #include "core/statistics.hpp"
 #include "core/text.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "diagnose/search/unnamed_terms.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -38,7 +39,16 @@ using Histories = std::map<std::pair<std::string, double>, Term>;
 class Candidates {
  public:
   Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories)
-      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories) {}
+      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories) {
+    for (const Term& t : named_terms(e_))
+      for (const Scanned::Linearization& found : scanned.linearizations)
+        if (found.effect == t.effect.type && effect_kind(found.effect).stage == Stage::clock &&
+            found.parameters.size() == t.size()) {
+          clocks_.push_back(t.effect);
+          t.fill(clocks_.back(), found.parameters);
+          for (const auto& [name, value] : clocks_.back().numbers) read_late_ += ' ' + significant(value, 6);
+        }
+  }
 
   std::vector<Candidate> all() && {
     add_named();
@@ -105,18 +115,19 @@ class Candidates {
     const Evidence& r = *s_.record;
     std::vector<double> sizes = scanned_.hystereses;
     const double low = std::max(r.step(), 12 * r.path_noise), high = 0.6 * r.range();
-    if (sizes.empty() && high > low)
-      sizes = series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low))));
+    if (high > low)
+      sizes = joined(sizes, series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low)))));
     for (const double size : sizes) {
       if (original.of_reference ? size < low : !r.readings_drive(size)) continue;
-      const auto over = [original, size](const Sampling& s) {
+      const auto over = [original, size, clocks = clocks_](const Sampling& s) {
         Term t = original;
-        t.columns = s.averaged(
-            original.hysteresis(original.of_reference ? s.record->path : s.record->measured, size));
+        t.columns = s.averaged(original.hysteresis(
+            original.of_reference ? path_as_read(*s.record, clocks) : s.record->measured, size));
         return t;
       };
-      found_.push_back({history(family + (original.of_reference ? " of the load" : ""), size, over), family,
-                        static_cast<double>(sizes.size()), size / 1.5, size * 1.5, 0, over});
+      const std::string driven = original.of_reference ? " of the load" + read_late_ : "";
+      found_.push_back({history(family + driven, size, over), family, static_cast<double>(sizes.size()),
+                        size / 1.5, size * 1.5, 0, over});
     }
   }
 
@@ -264,8 +275,10 @@ class Candidates {
     const Evidence& r = *s_.record;
     constexpr int travels = 10, constants = 10;
     for (const double travel : series(r.step(), 0.3 * r.range(), travels))
-      add_history("hysteresis", "friction", travel, travels,
-                  [travel](const Sampling& s) { return friction_term(s, travel); });
+      add_history("hysteresis", "friction" + read_late_, travel, travels,
+                  [travel, clocks = clocks_](const Sampling& s) {
+                    return friction_term(s, path_as_read(*s.record, clocks), travel);
+                  });
     const double duration = e_.time[e_.rows() - 1];
     for (const double constant : series(duration / 300, duration / 10, constants))
       add_history("relaxation", "relaxation", constant, 2 * constants,
@@ -299,6 +312,8 @@ class Candidates {
   const Scanned& scanned_;
   const Eigen::ArrayXd& moved_;
   Histories& histories_;
+  std::vector<Effect> clocks_;  ///< that the previous pass has found
+  std::string read_late_;       ///< their sizes
   std::size_t scanned_number_ = 0;
   std::vector<Candidate> found_;
 };

@@ -204,13 +204,13 @@ Term speed_term(const RecordSignals& s) {
                     s.velocity.abs());
 }
 
-Term friction_term(const Sampling& sampling, double travel) {
+Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double travel) {
   const Evidence& e = *sampling.record;
   const double noise = std::max(6 * e.path_noise, 1e-3 * e.step());
   Eigen::ArrayXd state(e.rows());
-  double at = e.path[0], z = 0;
+  double at = path[0], z = 0;
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const double next = std::clamp(at, e.path[k] - noise, e.path[k] + noise), by = next - at;
+    const double next = std::clamp(at, path[k] - noise, path[k] + noise), by = next - at;
     if (by != 0) {
       const double side = by > 0 ? 1 : -1;
       z = side + (z - side) * std::exp(-std::abs(by) / travel);
