@@ -397,6 +397,29 @@ TEST(DiagnoseTip, GivesASkewAxisTheNameOfNoEffect) {
   EXPECT_GE(found, 22);
 }
 
+/// Beside a joint that rests, large dimensions and zeros together imitate a frame: none is larger than the
+/// arm.
+TEST(DiagnoseTip, NamesNoDimensionLargerThanTheArmBesideAJointThatRests) {
+  int frames = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(9300 + seed);
+    const Arm arm = random_arm(dice, 6);
+    const std::vector<double> resolution(6, 3e-4);
+    Record r = motion(dice, 6, 1500);
+    r.joints.row(0).setConstant(r.joints(0, 0));
+    const Eigen::Matrix3d turn = rotation(dice.direction(), dice.between(0.3, 1.2));
+    const Eigen::Vector3d shift = dice.between(0.3, 1.5) * dice.direction();
+    const Diagnosis d =
+        judge(arm.model(resolution),
+              log_of(dice, arm, r, resolution, 5e-5,
+                     [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return turn * p + shift; }));
+    frames += finds(d, "frame", "tip");
+    for (const Cause& c : d.causes)
+      EXPECT_TRUE(c.effect.type != "geometry" || std::abs(c.parameters[0].value) < 5) << summary(d);
+  }
+  EXPECT_GE(frames, 5);
+}
+
 TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(5000 + seed);

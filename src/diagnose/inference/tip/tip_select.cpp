@@ -114,6 +114,24 @@ namespace {
 
 constexpr int most_tip_fits = 6;
 
+/// Whether a machine can have an error of this size: no dimension is wrong by more than the arm's reach, and
+/// no zero by more than half a turn. Beside a joint that rests only a difference of such errors shows.
+bool is_possible(const TipModel& m, const TipTerm& t, const Eigen::VectorXd& coefficients) {
+  const Eigen::MatrixXd& tip = m.evidence().tip;
+  double reach = m.nominal().tip_offset.translation().norm() +
+                 (tip.rowwise().maxCoeff() - tip.rowwise().minCoeff()).norm();
+  for (const ChainJoint& joint : m.nominal().joints) reach += joint.origin.translation().norm();
+  const bool turns = t.kind == TipTerm::Kind::encoder && !m.evidence().encoders[t.where].prismatic;
+  if (t.kind == TipTerm::Kind::geometry || (t.term.constant && !turns)) return coefficients.norm() <= reach;
+  return !t.term.constant || coefficients.norm() <= std::numbers::pi;
+}
+
+bool is_possible(const TipModel& m) {
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (!is_possible(m, m.terms()[i], m.coefficients(i))) return false;
+  return true;
+}
+
 struct TipStep {
   TipTerm term;
   Eigen::VectorXd theta;  // of the term
@@ -139,6 +157,7 @@ std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& 
     if (signal_to_noise(s, model.beyond(columns[i]), theta) <
         options.least_amplitude * required_signal_to_noise(all[i]))
       continue;
+    if (!is_possible(model, all[i], theta)) continue;
     // Counts are lost in whole numbers.
     if (all[i].term.whole && std::abs(theta[0]) < 0.7) continue;
     const double correlated = variance_inflation(model, s, columns[i]);
@@ -240,7 +259,7 @@ TipModel grown(TipModel model, const TipSelectOptions& options) {
     next.fit();
     reshape(next, next.terms().size() - 1);
     prune(next);
-    if (!(value_of(next) >= value_of(model) + 0.5 * better_by)) break;
+    if (!(value_of(next) >= value_of(model) + 0.5 * better_by) || !is_possible(next)) break;
     model = std::move(next);
   }
   return model;
@@ -268,7 +287,8 @@ TipModel best_model(TipModel start, const TipSelectOptions& options) {
                                         [](const TipTerm& t) { return t.kinematic() && t.term.named(); });
   if (dimensions < 3) return model;
   TipModel other = with_all_dimensions(model);
-  return value_of(other) > value_of(model) + better_by ? std::move(other) : std::move(model);
+  const bool better = value_of(other) > value_of(model) + better_by && is_possible(other);
+  return better ? std::move(other) : std::move(model);
 }
 
 /// Whether unknown frames are significant beside a model without them.
@@ -312,18 +332,26 @@ bool is_turned(const TipModel& m, double alpha) {
   return p_value(0.5 * rotation.dot(information.inverse * rotation), information.rank) < alpha;
 }
 
+/// The model without dimensions, tilts and zeros: many of them together imitate a frame.
+TipModel without_dimensions(TipModel m) {
+  for (std::size_t i = m.terms().size(); i-- > 0;)
+    if (m.terms()[i].kinematic()) m.remove(i);
+  m.fit();
+  return m;
+}
+
 /// The best model with or without unknown frames.
 /// @param start  frames that the record is known to need
 TipModel best_framed(const OperationalModel& model, const TipEvidence& e, UnknownFrames start,
                      std::uint64_t seed, const TipSelectOptions& options) {
   const TipModel ideal(model, e, start, seed);
   TipModel found = best_model(ideal, options);
-  const TipModel known = found;
+  const TipModel known = found, bare = without_dimensions(found);
   for (const UnknownFrames frames :
        {UnknownFrames{.target = true}, UnknownFrames{.base = true}, UnknownFrames{true, true}}) {
     if (frames.size() <= start.size()) continue;
-    // Many terms together may imitate a frame.
-    if (!needs(frames, ideal, options) && !needs(frames, known, options)) continue;
+    if (!needs(frames, ideal, options) && !needs(frames, known, options) && !needs(frames, bare, options))
+      continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
     if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) continue;
     if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
