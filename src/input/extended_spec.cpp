@@ -205,9 +205,37 @@ void move_pose(Node& root, const std::string& key, const Effect& found) {
   set_three(stated, "rpy", roll_pitch_yaw(pose.linear()));
 }
 
+bool is_coupling(const Effect& effect) { return effect.type == coupling_error_effect().name; }
+
+/// States the coupling with what encoders were found to follow of other joints: encoder coordinates = C^-1
+/// joints, to which each adds its factor.
+void state_coupling(Node& root, const Spec& spec, const std::vector<Effect>& found) {
+  const Chain& chain = spec.model.chain;
+  const auto number = [&](const std::string& joint) {
+    return std::find_if(chain.independent.begin(), chain.independent.end(),
+                        [&](const IndependentJoint& j) { return j.name == joint; }) -
+           chain.independent.begin();
+  };
+  Eigen::MatrixXd to_encoders = spec.model.transmission.coupling.inverse().dense();
+  for (const Effect& e : found)
+    to_encoders(number(e.joint), number(e.choices.at("of"))) += e.number("factor");
+  Node rows{Node::Type::sequence, {}, {}, false, {}, {}};
+  const Eigen::MatrixXd to_joints = to_encoders.inverse();
+  for (Eigen::Index i = 0; i < to_joints.rows(); ++i) {
+    Node cells{Node::Type::sequence, {}, {}, false, {}, {}};
+    for (const double cell : to_joints.row(i)) cells.items.push_back(scalar_node(shortest(cell)));
+    rows.items.push_back(std::move(cells));
+  }
+  if (Node* stated = root.find("coupling"))
+    *stated = std::move(rows);
+  else
+    root.entries.push_back({{"coupling", {}}, std::move(rows)});
+}
+
 /// Why an effect cannot be written into a spec; "" if it can.
 std::string obstacle(const Effect& effect) {
-  if (!find_kind(effect.type) && pose_key(effect).empty()) return "not an effect that can be simulated";
+  if (!find_kind(effect.type) && pose_key(effect).empty() && !is_coupling(effect))
+    return "not an effect that can be simulated";
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
@@ -304,11 +332,17 @@ class Extension {
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
     bool first = true;
-    std::string of_poses;
+    std::string elsewhere;
+    std::vector<Effect> couplings;
     for (const AddedEffect& added : effects) {
+      if (is_coupling(added.effect)) {
+        couplings.push_back(added.effect);
+        elsewhere += comment_lines("coupling: " + added.note);
+        continue;
+      }
       if (const std::string key = pose_key(added.effect); !key.empty()) {
         move_pose(root, key, added.effect);
-        of_poses += comment_lines("robot." + key + ": " + added.note);
+        elsewhere += comment_lines("robot." + key + ": " + added.note);
         continue;
       }
       if (!root.find("effects"))
@@ -317,10 +351,11 @@ class Extension {
       list.items.push_back(node_of(added, *find_kind(added.effect.type)));
       if (std::exchange(first, false)) list.items.back().comment = remarks_ + '\n' + added.note;
     }
+    if (!couplings.empty()) state_coupling(root, spec_, couplings);
     std::string out = rewritten(spec_.text, root, spec_.file);
     if (!out.ends_with('\n')) out += '\n';
     if (first) out += comment_lines(remarks_);
-    return out + of_poses + omitted_;
+    return out + elsewhere + omitted_;
   }
 
   const Spec& spec_;

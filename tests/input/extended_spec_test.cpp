@@ -201,6 +201,21 @@ TEST(ExtendedSpec, WritesTheDelayOfTheTipForEveryJoint) {
   EXPECT_EQ(both.effects.size(), joints + 1);
 }
 
+/// The encoder of the last joint follows the first one by a factor, beside what the spec has of couplings.
+TEST(ExtendedSpec, StatesACouplingThatIsFound) {
+  for (const std::string& present :
+       {std::string(), std::string("coupling: [[1, 0, 0], [0, 1, 0.5], [0, 0, 1]]\n")}) {
+    const Spec before = spec_of(base + present);
+    const std::vector<IndependentJoint>& joints = before.model.chain.independent;
+    const AddedEffect found{{"coupling_error", joints[2].name, {{"factor", 0.013}}, {{"of", joints[0].name}}},
+                            "of the cable"};
+    const Spec after = spec_of(extended(base + present, {found}));
+    Eigen::MatrixXd expected = before.model.transmission.coupling.inverse().dense();
+    expected(2, 0) += 0.013;
+    EXPECT_LT((after.model.transmission.coupling.inverse().dense() - expected).cwiseAbs().maxCoeff(), 1e-15);
+  }
+}
+
 // The second frame is found in the axes of the one that the spec states.
 TEST(ExtendedSpec, MovesTheTrackerToTheFrameThatIsFound) {
   const Eigen::Vector3d turn(0.4, -0.3, 1.2), shift(0.1, -0.2, 0.3);

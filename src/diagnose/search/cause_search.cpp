@@ -286,10 +286,10 @@ void distinguish_steps(const ErrorModel& m, Choice& choice) {
         std::abs(counts) * std::sqrt(m.scale(choice) / std::max(m.lost_without(choice, i), 1e-300));
     // Edges that are displaced by up to a tenth of a count, and the motion, bias it by 0.01 at the most (60
     // random records); a slip is anywhere.
-    // Where the interval holds more than one whole number, or half of what is between two, none is
-    // established.
-    if (std::abs(counts - std::round(counts)) < 4 * error + 0.02 && std::round(counts) != 0 &&
-        4 * error < 0.25)
+    // Where the interval holds half of what is between two whole numbers, one within half of it is the
+    // likelier; where it holds more than one, none is established.
+    const double within = (4 * error < 0.25 ? 4 : 2) * error + 0.02;
+    if (std::abs(counts - std::round(counts)) < within && std::round(counts) != 0 && 4 * error < 0.5)
       continue;
     for (std::size_t g = 0; g < m.candidates().size(); ++g)
       if (m.candidate(g).family == m.candidate(whole).family && m.term(g).step && !m.term(g).named()) {

@@ -52,11 +52,7 @@ class CauseReport {
         d_.unexplained.back().curve = residual_curve(e_, s.model, i);
         continue;
       }
-      // Displaced edges have a mean of their own.
-      if (t.constant && std::any_of(scatter.causes.begin(), scatter.causes.end(), [](const ScatterCause& c) {
-            return !effect_kind(c.effect.type).random();
-          }))
-        continue;
+      if (t.constant && displaced_edges(scatter)) continue;  // see add_zero
       std::vector<std::string> others = inseparable_twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
@@ -82,6 +78,28 @@ class CauseReport {
     }
   }
 
+  /// Displaced edges have a mean of their own: the zero's error is the mean beyond it.
+  void add_zero(const Selection& s, const Scatter& scatter) {
+    const Effect* edges = displaced_edges(scatter);
+    if (!edges || !e_.encoder.zero_known) return;
+    const double of_edges = effect_kind(edges->type).share(*edges, e_.encoder, {})->mean,
+                 error = 0.5 * scatter.pattern.alternating_error * e_.step();
+    double mean = 0, p_value = 0;
+    for (std::size_t i = 0; i < s.model.terms().size(); ++i)
+      if (s.model.terms()[i].constant) mean = s.model.coefficients(i)[0], p_value = s.p_values[i];
+    const double zero = mean - of_edges;
+    if (std::abs(zero) < std::max(material * e_.step(), 3 * error)) return;
+    for (const Term& t : named_terms(e_)) {
+      if (!t.constant) continue;
+      Cause cause{t.effect, {}, p_value, gain_, std::abs(zero)};
+      t.fill(cause.effect, Eigen::VectorXd::Constant(1, zero));
+      for (const auto& [name, value] : cause.effect.numbers)
+        cause.parameters.push_back({name, value, value - 2 * error, value + 2 * error});
+      cause.rms_without = std::hypot(gain_.rms_after, zero);
+      add(std::move(cause), {});
+    }
+  }
+
   void add_visible(const std::vector<VisibleEffect>& all) {
     for (const VisibleEffect& v : all) {
       Visible out;
@@ -99,6 +117,13 @@ class CauseReport {
   }
 
  private:
+  /// The cause that displaces edges; null: none does.
+  static const Effect* displaced_edges(const Scatter& scatter) {
+    for (const ScatterCause& c : scatter.causes)
+      if (!effect_kind(c.effect.type).random()) return &c.effect;
+    return nullptr;
+  }
+
   void add_unnamed(const Term& t, const Effect& filled, double amplitude) {
     Unidentified u{e_.joint, t.unnamed, order_of(filled), frequency_of(filled), amplitude, t.pattern};
     u.figures = filled.numbers;
@@ -126,6 +151,7 @@ void add(Diagnosis& d, const Finding& f, const Gain& gain) {
   CauseReport report(d, f.evidence(), gain);
   report.add_terms(*f.selection, f.scatter);
   report.add_scatter(f.scatter);
+  report.add_zero(*f.selection, f.scatter);
   report.add_remainder(f.remainder);
   report.add_visible(f.visible);
 }

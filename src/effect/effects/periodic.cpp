@@ -130,19 +130,22 @@ bool has_one_period(const Encoder& encoder) {
   return encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
 }
 
-std::vector<Twin> periodic_twins(std::string_view of_reference) {
-  return {{"reference_error", of_reference,
-           // Steppers, the usual references, have errors of 50 and 100 periods per revolution.
+std::vector<Twin> periodic_twins() {
+  return {{"reference_error",
+           "the same motion with a second reference, or with the reference rotated on its shaft",
+           // Steppers, the usual references, have errors of 50 and 100 periods per revolution. Behind a gear
+           // the reference is what turns with the joint's shaft.
            [](const Effect& e, const RecordSignals& s) {
              const double order = std::abs(wave_number(e, s.encoder));
-             return std::abs(std::remainder(order, 50)) < 1e-3 && order > 1;
+             return refers_to_joint(e) || (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1);
            }},
           {"compliance",
            {},
-           // The torque of an unmeasured weight is a cosine of the angle.
+           // The torque of an unmeasured weight is a cosine of the angle. A motor's has friction, too, and
+           // does not tell all of it.
            [](const Effect& e, const RecordSignals& s) {
-             return std::abs(std::abs(wave_number(e, s.encoder)) - 1) < 1e-6 && s.effort.size() == 0 &&
-                    s.loaded;
+             return std::abs(std::abs(wave_number(e, s.encoder)) - 1) < 1e-6 && s.loaded &&
+                    (s.effort.size() == 0 || refers_to_joint(e));
            }},
           {"subdivision_error", {}, [](const Effect&, const RecordSignals& s) {
              return has_one_period(s.encoder);

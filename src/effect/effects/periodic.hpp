@@ -26,8 +26,7 @@ std::vector<Term> periodic_terms(const RecordSignals&, std::initializer_list<dou
 
 /// Effects with the same error: a periodic error of the reference, an unmeasured load, the subdivision error
 /// of an encoder with one period per revolution.
-/// @param of_reference  what to record to distinguish it from an error of the reference
-std::vector<Twin> periodic_twins(std::string_view of_reference = {});
+std::vector<Twin> periodic_twins();
 
 /// Table over one period of the shaft.
 TableShape periodic_table();

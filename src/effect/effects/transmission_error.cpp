@@ -25,8 +25,7 @@ EffectKind transmission_error_effect() {
               [](const RecordSignals& s) {
                 return periodic_terms(s, {2, 3, 4, 6, 8}, {2, 3, 4});
               },
-          .twins = periodic_twins(
-              "the same motion with a second reference, or with the reference rotated on its shaft"),
+          .twins = periodic_twins(),
           .table = periodic_table(),
           .remedy = {true, "a look-up table over its shaft's angle compensates it (--write-table)"}};
 }

@@ -280,6 +280,10 @@ namespace {
 /// Factors that no low-pass of a usable velocity has (convention).
 constexpr double least_factor = 0.8, most_factor = 1.25;
 
+/// Least factor's difference from 1 that is told (convention), and what a low-pass of any order takes of a
+/// motion of the angular frequency w that it delays by d: (w d)^2 / 2, six times as much for sharp ones.
+constexpr double least_difference = 0.03, taken_by_filter = 3;
+
 /// Share of the misfit that must vanish before a factor, an offset or a wrap explains it.
 constexpr double explained_share = 0.9;
 
@@ -300,6 +304,7 @@ struct VelocityRecord {
 
 struct Integrated {
   double factor = 1, offset = 0;       ///< of the velocity [1, SI]
+  double delay = 0;                    ///< of the velocity behind the motion [s]
   double rms = 0, rms_as_written = 0;  ///< of the position that remains, with and without these two
 };
 
@@ -318,6 +323,7 @@ Integrated integrated(const VelocityRecord& m) {
   fit.rms = rms_of_fit(a, m.position, x);
   fit.factor = 1 / x[2];
   fit.offset = -x[3] * fit.factor;
+  fit.delay = x[0];
   return fit;
 }
 
@@ -398,7 +404,11 @@ void check_velocity_column(Sanity& s, std::size_t joint) {
   const Integrated fit = integrated(m);
   const double moves = standard_deviation(m.position);
   const bool told = fit.rms < (1 - explained_share) * std::min(fit.rms_as_written, moves);
-  if (told && (fit.factor < least_factor || fit.factor > most_factor)) {
+  const Eigen::ArrayXd bend = derivative({m.time, m.velocity, {}});
+  const double by_filter = taken_by_filter * std::pow(fit.delay * rms(bend) / rms(m.velocity), 2);
+  const bool usual = fit.factor > least_factor && fit.factor < most_factor &&
+                     std::abs(fit.factor - 1) < least_difference + by_filter;
+  if (told && !usual) {
     const auto [what, remedy] = reading_of(fit.factor, head, s.model.chain.independent[joint].prismatic());
     found(what, remedy);
   } else if (told && std::abs(fit.offset) > least_offset * rms(m.velocity)) {
