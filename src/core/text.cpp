@@ -17,7 +17,6 @@ std::string printed(double value, std::chars_format format, int precision) {
   return failure == std::errc{} ? std::string(buffer.data(), end) : std::string("nan");
 }
 
-
 /// Length of the sequence and its code point; length 0 if the bytes are not well formed.
 struct CodePoint {
   std::size_t length = 0;

@@ -43,7 +43,6 @@ Profile profile(const Move& move, double distance) {
           j * jerk_time, j};
 }
 
-
 /// Slopes of the not-a-knot spline through the rows x(t), which is linear through two rows and a parabola
 /// through three. Equal second derivatives at row i:
 ///

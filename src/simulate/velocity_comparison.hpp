@@ -20,8 +20,8 @@ struct VelocityFilter {
 /// joint's velocity with the true one.
 ///
 /// The counts are those of `simulate`, with all effects; the edges are those of the disc, with the effects of
-/// stages `disc` and `line` (estimators/estimator.hpp). A joint's velocity is the coupling times those of the encoders. A
-/// filter of a lower rate is judged at its own samples.
+/// stages `disc` and `line` (estimators/estimator.hpp). A joint's velocity is the coupling times those of the
+/// encoders. A filter of a lower rate is judged at its own samples.
 ///
 /// The delay tau minimizes the mean square of v^(t) - v(t - tau), by Gauss and Newton from 0.
 /// @param settling  initial part that does not count [s]

@@ -143,7 +143,7 @@ TEST(RoundingErrors, OfSizesIsOutwards) {
   }
 }
 
-struct NamedFilter {
+struct KnownFilter {
   std::string name;
   Filter filter;
 };
@@ -161,7 +161,7 @@ std::array<double, 3> pair_at(double modulus, double cosine) {
 }
 
 /// Real, complex, repeated and nearly repeated poles, fast and slow ones, at z = -1 and at z = 0.
-std::vector<NamedFilter> named_filters() {
+std::vector<KnownFilter> known_filters() {
   return {
       {"one pole", of_sections({{{1, 0, 0}, {1, -0.75, 0}}})},
       {"slow pole", of_sections({{{1, 0.5, 0}, {1, -1 + 0x1p-20, 0}}})},
@@ -201,7 +201,7 @@ class Figures {
 };
 
 TEST(NormParts, PolesAndTheirModesAreThoseMeasured) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     const Poles all = poles(f.filter);
     figures.value("poles", static_cast<double>(all.list.size()));
@@ -275,7 +275,7 @@ TEST(NormParts, MergedPolesChangeTheFilterAsMeasured) {
 }
 
 TEST(NormParts, PowersOfModesAreEnclosed) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     const Modes modes = partial_fractions(f.filter, poles(f.filter).list);
     const Powers powers(modes.modes);
@@ -306,7 +306,7 @@ TEST(NormParts, PowersOfModesAreEnclosed) {
 
 /// h_k, its differences and sums, as modes and from the filter itself.
 TEST(NormParts, SequencesAreTheImpulseResponse) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     const Modes modes = partial_fractions(f.filter, poles(f.filter).list);
     const Powers powers(modes.modes);
@@ -348,7 +348,7 @@ TEST(NormParts, SequencesAreTheImpulseResponse) {
 }
 
 TEST(NormParts, EveryNthSampleIsASequence) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     const Modes modes = partial_fractions(f.filter, poles(f.filter).list);
     const Powers powers(modes.modes);
@@ -374,7 +374,7 @@ TEST(NormParts, EveryNthSampleIsASequence) {
 }
 
 TEST(NormParts, DirectSumsAreThoseMeasured) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     Filter unit = f.filter;
     unit.gain = 1;
@@ -401,7 +401,7 @@ TEST(NormParts, DirectSumsAreThoseMeasured) {
 
 /// sum |h_k| over a range by each of the methods, which agree within their errors.
 TEST(NormParts, SumsOfModesAreThoseMeasured) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const Figures figures(f.name);
     Filter unit = f.filter;
     unit.gain = 1;
@@ -509,7 +509,7 @@ TEST(Deviation, IsABoundOfTheDifferenceAsMeasured) {
 }
 
 TEST(LiftedNorm, IsTheNormOfTheGrownResponse) {
-  for (const NamedFilter& f : named_filters()) {
+  for (const KnownFilter& f : known_filters()) {
     const double gap = 1 / std::max(poles_max_modulus(f.filter), 0.5) - 1;
     for (const double lift : {0.2 * gap, 0.6 * gap}) {
       double squares = 0, grown = 1;
@@ -528,10 +528,10 @@ TEST(LiftedNorm, IsTheNormOfTheGrownResponse) {
 
 /// r_n = sum h_k h_(k+n), and what is cut off.
 TEST(AutocorrelationParts, AreThoseOfTheResponse) {
-  std::vector<NamedFilter> list = named_filters();
+  std::vector<KnownFilter> list = known_filters();
   list.push_back({"taps", {{}, 0.5, 1, 0, {0.3, 0, -1, 0.25}}});
   list.push_back({"moving average", {{}, 1, 1, 0, std::vector<DoubleDouble>(900, 1.0 / 900)}});
-  for (const NamedFilter& f : list) {
+  for (const KnownFilter& f : list) {
     if (poles_max_modulus(f.filter) > 0.9999) continue;
     const Figures figures(f.name);
     const Autocorrelation a = autocorrelation(f.filter);
@@ -558,9 +558,9 @@ TEST(AutocorrelationParts, AreThoseOfTheResponse) {
 }
 
 TEST(Transients, OfEveryNthSampleAreThoseOfAll) {
-  std::vector<NamedFilter> list = named_filters();
+  std::vector<KnownFilter> list = known_filters();
   list.push_back({"taps", {{}, 0.5, 1, 0, {0.3, 0, -1, 0.25}}});
-  for (const NamedFilter& f : list) {
+  for (const KnownFilter& f : list) {
     const std::vector<double> h = impulse_response(f.filter, 60), sigma = noise_transient(f.filter, 60);
     const double scale = sigma.back();
     for (const std::size_t every : {2, 7}) {

@@ -31,11 +31,12 @@ struct Norms {
 /// ||H||_2 = sqrt(sum h_k^2) = sqrt((1/pi) int |H|^2 dOmega/(1 + Omega^2)), w = j Omega [1/s^derivative].
 ///
 /// Astrom's recursion (Introduction to Stochastic Control Theory, 1970, ch. 5) on the polynomials in w, which
-/// needs no controller canonical form and no Lyapunov equation. It runs in ball arithmetic (multiprecision.hpp), in
-/// double-double first and with 1024 or 4096 bits where that does not prove 21 digits. So the value is the
-/// exact norm rounded to double, and the error a proven bound. For coefficients given by the user the error
-/// includes the rounding of their factors (`Filter::deviation`), for a family's design an allowance for the
-/// rounding of its coefficients, 1e-15 of the norm per section (`Filter::designed`).
+/// needs no controller canonical form and no Lyapunov equation. It runs in ball arithmetic
+/// (multiprecision.hpp), in double-double first and with 1024 or 4096 bits where that does not prove 21
+/// digits. So the value is the exact norm rounded to double, and the error a proven bound. For coefficients
+/// given by the user the error includes the rounding of their factors (`Filter::deviation`), for a family's
+/// design an allowance for the rounding of its coefficients, 1e-15 of the norm per section
+/// (`Filter::designed`).
 /// @pre every section is stable
 /// @throws Error (input) when the norm or the gain is out of the range of double
 Estimate h2_estimate(const Filter&);
