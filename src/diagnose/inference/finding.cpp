@@ -108,7 +108,7 @@ std::size_t least_name(const FoundCauses& found) {
 std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
   constexpr double nothing = 0.01;  // counts
   for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if ((m.coefficients(i).head(m.terms()[i].positive).array() < 0).any() ||
+    if ((m.terms()[i].positive > 0 && m.coefficients(i)[0] < 0) ||
         (!m.terms()[i].named() && size_of(m, i) < nothing * step))
       return i;
   return std::nullopt;

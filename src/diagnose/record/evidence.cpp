@@ -181,7 +181,12 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
     e.velocity = e.direction = Eigen::ArrayXd::Zero(rows);
     e.noise = e.path_noise = e.log_resolution / std::sqrt(12.0);
   }
-  if (const auto effort = log.find(LogSignal::effort, encoder)) e.effort = log.values.col(*effort);
+  if (const auto effort = log.find(LogSignal::effort, encoder)) {
+    e.effort = log.values.col(*effort);
+    // Of what a drive needs beside its load the rotor's part is known well enough by the change of the speed.
+    if (e.ordered && e.acceleration.size() == 0)
+      e.acceleration = smooth_path(time, e.joint_rate(), 0, true).velocity;
+  }
   if (const auto warm = log.find(LogSignal::temperature, encoder))
     e.temperature = log.values.col(*warm) - log.values(0, *warm);
   return e;

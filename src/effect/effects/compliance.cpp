@@ -22,8 +22,8 @@ Number needed(const Effect& e, const Number& side, const Number& velocity, const
 /// C (effort - friction side - inertia acceleration - damping velocity), linear in C and its products.
 void fill_of_drive(Effect& e, const Eigen::VectorXd& c) {
   e.numbers["compliance"] = c[0];
-  e.numbers["friction"] = c[1] / c[0];
-  e.numbers["inertia"] = c[2] / c[0];
+  e.numbers["friction"] = std::max(0.0, c[1] / c[0]);
+  e.numbers["inertia"] = std::max(0.0, c[2] / c[0]);
   e.numbers["damping"] = c[3] / c[0];
 }
 

@@ -309,7 +309,7 @@ void convert_effort(Sanity& s, std::size_t joint, Eigen::Index column, double fa
 
 /// An effort without what dry friction holds at rest, which does not tell: there, and where the joint nearly
 /// rests, it is what it has of weight, friction and inertia in motion. Empty where these are not all of it,
-/// as on an arm whose other joints turn the weight.
+/// as on an arm whose other joints turn the weight, and where friction does not exceed what they leave.
 std::optional<Eigen::ArrayXd> without_stiction(const Eigen::ArrayXd& effort, const JointPath& m) {
   constexpr double slow = 0.05, unexplained = 0.2;  // of the highest speed; of the effort (conventions)
   const Eigen::ArrayXd speed = m.velocity.abs();
@@ -323,7 +323,8 @@ std::optional<Eigen::ArrayXd> without_stiction(const Eigen::ArrayXd& effort, con
   const Eigen::VectorXd in_motion = effort(moving).matrix();
   const Eigen::VectorXd parts = least_norm_solution(columns(moving, Eigen::all), in_motion);
   const Eigen::VectorXd by_parts = columns * parts;
-  if (rms((in_motion - by_parts(moving)).array()) > unexplained * standard_deviation(in_motion.array()))
+  const double left = rms((in_motion - by_parts(moving)).array());
+  if (left > unexplained * standard_deviation(in_motion.array()) || std::abs(parts[0]) < 2 * left)
     return std::nullopt;
   Eigen::ArrayXd less = effort;
   less(resting) = by_parts(resting).array();
@@ -367,8 +368,6 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
     if (replace_by_masses(s, joint, *column, parts, *loads, error)) return;
     factor = parts.factor;
   }
-  // A current has noise, which would be an error of the load.
-  effort = smooth_path(s.log.values.col(*s.log.find(LogSignal::time)), effort, head.step(), true).position;
   if (!loads)
     if (const auto less = without_stiction(effort, *motion)) effort = *less;
   if (factor != 0) convert_effort(s, joint, *column, factor);
