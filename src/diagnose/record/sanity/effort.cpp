@@ -250,6 +250,21 @@ Eigen::ArrayXd direction_by_speed(const Eigen::ArrayXd& velocity) {
   return (velocity / ramp).max(-1.0).min(1.0);
 }
 
+/// Columns that take off an effort what a gear does not transmit, at all rows.
+Eigen::MatrixXd beside_load(const JointPath& m) {
+  Eigen::MatrixXd columns(m.position.size(), 3);
+  columns << direction_by_speed(m.velocity).matrix(), m.velocity.matrix(), m.acceleration.matrix();
+  return columns;
+}
+
+/// What an effort, less what a gear does not transmit of it, leaves of an error.
+double left_by_drive(const Eigen::ArrayXd& effort, const Eigen::MatrixXd& beside,
+                     const Eigen::ArrayXd& error) {
+  Eigen::MatrixXd columns(effort.size(), beside.cols() + 1);
+  columns << effort.matrix(), beside;
+  return regression(columns, error).residual_rms;
+}
+
 /// An effort by least squares: factor load + friction by direction and speed + inertia acceleration +
 /// constant.
 struct EffortParts {
@@ -260,8 +275,7 @@ struct EffortParts {
 
 EffortParts effort_parts(const Eigen::ArrayXd& effort, const JointPath& m, const Loads& loads) {
   EffortParts p;
-  p.beside.resize(effort.size(), 3);
-  p.beside << direction_by_speed(m.velocity).matrix(), m.velocity.matrix(), m.acceleration.matrix();
+  p.beside = beside_load(m);
   const Eigen::ArrayXd sampled = loads.of_rows(effort);
   Eigen::MatrixXd columns(sampled.size(), 4);
   columns << loads.sampled.matrix(), p.beside(Eigen::seqN(0, sampled.size(), loads.stride), Eigen::all);
@@ -318,8 +332,8 @@ std::optional<Eigen::ArrayXd> without_stiction(const Eigen::ArrayXd& effort, con
     (speed[k] > slow * speed.maxCoeff() ? moving : resting).push_back(k);
   if (static_cast<Eigen::Index>(moving.size()) < fewest_rows_of_slope) return std::nullopt;
   Eigen::MatrixXd columns(effort.size(), 6);
-  columns << direction_by_speed(m.velocity).matrix(), m.velocity.matrix(), m.acceleration.matrix(),
-      m.position.sin().matrix(), m.position.cos().matrix(), Eigen::VectorXd::Ones(effort.size());
+  columns << beside_load(m), m.position.sin().matrix(), m.position.cos().matrix(),
+      Eigen::VectorXd::Ones(effort.size());
   const Eigen::VectorXd in_motion = effort(moving).matrix();
   const Eigen::VectorXd parts = least_norm_solution(columns(moving, Eigen::all), in_motion);
   const Eigen::VectorXd by_parts = columns * parts;
@@ -337,9 +351,7 @@ std::optional<Eigen::ArrayXd> without_stiction(const Eigen::ArrayXd& effort, con
 bool replace_by_masses(Sanity& s, std::size_t joint, Eigen::Index column, const EffortParts& parts,
                        const Loads& loads, const Eigen::ArrayXd& error) {
   const Eigen::ArrayXd effort = s.log.values.col(column), load = loads.at_all(effort.size());
-  Eigen::MatrixXd of_drive(effort.size(), 4);
-  of_drive << effort.matrix(), parts.beside;
-  const double by_effort = std::min(regression(of_drive, error).residual_rms, standard_deviation(error));
+  const double by_effort = std::min(left_by_drive(effort, parts.beside, error), standard_deviation(error));
   if (regression(load.matrix(), error).residual_rms >= matters * by_effort) return false;
   LogColumn& head = s.log.columns[static_cast<std::size_t>(column)];
   s.data.push_back({head.header + " is more than the load: friction of " + readable(parts.dry, head.unit) +
@@ -369,7 +381,10 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
     factor = parts.factor;
   }
   if (!loads)
-    if (const auto less = without_stiction(effort, *motion)) effort = *less;
+    if (const auto less = without_stiction(effort, *motion)) {
+      const Eigen::MatrixXd beside = beside_load(*motion);
+      if (left_by_drive(*less, beside, error) < left_by_drive(effort, beside, error)) effort = *less;
+    }
   if (factor != 0) convert_effort(s, joint, *column, factor);
   // Without masses only the error itself tells the sign: no load deflects a gear against itself.
   const Line of_error = fit_line(s.log.values.col(*column).array(), error);
