@@ -420,6 +420,30 @@ TEST(DiagnoseTip, NamesNoDimensionLargerThanTheArmBesideAJointThatRests) {
   EXPECT_GE(frames, 5);
 }
 
+/// Beside a delay, which hides it at first, a small frame is no set of dimensions and askew axes.
+TEST(DiagnoseTip, NamesASmallFrameBesideALateTracker) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(9400 + seed);
+    const Arm arm = random_arm(dice, 6);
+    const std::vector<double> resolution(6, 2e-4);
+    Record r = motion(dice, 6, 1500);
+    const Record late = r;
+    const Eigen::Index rows = r.joints.cols() - 1;  // each row's tip is that of the row before
+    r.time = late.time.tail(rows);
+    r.joints = late.joints.leftCols(rows);
+    r.additions = late.joints.rightCols(rows) - late.joints.leftCols(rows);
+    const Eigen::Matrix3d turn = rotation(dice.direction(), dice.between(5e-4, 1e-3));
+    const Eigen::Vector3d shift = dice.between(3e-4, 1e-3) * dice.direction();
+    const Diagnosis d =
+        judge(arm.model(resolution), log_of(dice, arm, r, resolution, 2e-5, [&](const Eigen::Vector3d& p) {
+                return Eigen::Vector3d(turn * p + shift);
+              }));
+    EXPECT_TRUE(finds(d, "frame", "tip")) << seed << ": " << summary(d);
+    EXPECT_TRUE(finds(d, "latency", "tip")) << seed << ": " << summary(d);
+    EXPECT_EQ(d.causes.size(), 2U) << seed << ": " << summary(d);
+  }
+}
+
 TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(5000 + seed);

@@ -380,11 +380,14 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
     if (replace_by_masses(s, joint, *column, parts, *loads, error)) return;
     factor = parts.factor;
   }
-  if (!loads)
-    if (const auto less = without_stiction(effort, *motion)) {
-      const Eigen::MatrixXd beside = beside_load(*motion);
-      if (left_by_drive(*less, beside, error) < left_by_drive(effort, beside, error)) effort = *less;
-    }
+  // A current has noise, which would be an error of the load, and at rest what friction holds.
+  constexpr double better = 0.998;  // of what the error leaves: beyond what chance makes of a thousand rows
+  const Eigen::MatrixXd beside = beside_load(*motion);
+  const auto replace = [&](const Eigen::ArrayXd& other) {
+    if (left_by_drive(other, beside, error) < better * left_by_drive(effort, beside, error)) effort = other;
+  };
+  replace(smooth_path(s.log.values.col(*s.log.find(LogSignal::time)), effort, head.step(), true).position);
+  if (const auto less = loads ? std::nullopt : without_stiction(effort, *motion)) replace(*less);
   if (factor != 0) convert_effort(s, joint, *column, factor);
   // Without masses only the error itself tells the sign: no load deflects a gear against itself.
   const Line of_error = fit_line(s.log.values.col(*column).array(), error);
