@@ -136,10 +136,22 @@ Eigen::VectorXd Sensing::dynamic_effort(double time) const {
   return inverse_dynamics(built_, q, velocity, acceleration);
 }
 
+JointState Sensing::driven(std::size_t joint, double time) const {
+  constexpr double half = 0.025;  // [s]: at 1 Hz it changes the acceleration by 0.2 % (convention)
+  const MotionPath& path = path_.path();
+  JointState state = path.at(joint, time);
+  const std::vector<RecordedSignal>& recorded = path.table().efforts;
+  if (joint >= recorded.size() || recorded[joint].values.size() == 0) return state;
+  const double before = path.position(joint, time - half), after = path.position(joint, time + half);
+  state.velocity = (after - before) / (2 * half);
+  state.acceleration = (after - 2 * state.position + before) / (half * half);
+  return state;
+}
+
 Moment Sensing::moment(std::size_t joint, std::size_t i) const {
   const std::size_t k = joint * batch_size + i;
   const double rise = temperature_ ? temperature_rise(joint, batch_.time[i]) : 0;
-  const JointState state = effort_ ? path_.path().at(joint, batch_.time[i]) : JointState{};
+  const JointState state = effort_ ? driven(joint, batch_.time[i]) : JointState{};
   return {batch_.first + i, batch_.time[i],    joint_[k], effort_ ? efforts_[k] : 0, rise,
           state.velocity,   state.acceleration};
 }
@@ -153,7 +165,7 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
     m.time = instant;
     m.joint = position(joint, instant);
     if (effort_ && !a.motion.empty()) {
-      const JointState state = path_.path().at(joint, instant);
+      const JointState state = driven(joint, instant);
       m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
       m.velocity = state.velocity, m.acceleration = state.acceleration;
     }

@@ -110,6 +110,9 @@ class Sensing {
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
   double count_of(std::size_t encoder, double position) const;
   Moment moment(std::size_t joint, std::size_t in_batch) const;
+  /// The motion with an effort. Where both are measured, by differences over some hundredths of a second: the
+  /// second derivative of the path through all rows would be that of their noise.
+  JointState driven(std::size_t joint, double time) const;
   const double* mixed(const Coupling&, const AlignedNumbers& from, const AlignedNumbers& to) const;
   const double* shaft_positions(std::size_t count);
   void count_shaft(std::size_t encoder, const double* shaft, std::size_t count);

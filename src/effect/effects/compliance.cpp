@@ -88,7 +88,9 @@ EffectKind compliance_effect() {
                       .fallback = 0.0}},
       .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
         return [e](double x, const Moment& m) {
-          const double side = (m.velocity > 0) - (m.velocity < 0);
+          constexpr double rest =
+              0.01;  // [rad/s or m/s], below which friction's side is uncertain (convention)
+          const double side = std::clamp(m.velocity / rest, -1.0, 1.0);
           return x +
                  e.number("compliance") * (m.effort - needed<double>(e, side, m.velocity, m.acceleration));
         };
