@@ -65,7 +65,7 @@ void keep_piped(const std::string& path, const std::string& text);
 class Sha256 {
  public:
   void add(std::string_view bytes);
-  /// Of all bytes so far, as 64 hexadecimal digits.
+  /// The hash of all bytes so far, as 64 hexadecimal digits.
   std::string digest() const;
 
  private:

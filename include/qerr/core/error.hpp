@@ -31,7 +31,7 @@ enum class Trouble { usage = 2, input = 3, file_system = 4, internal = 5 };
 class Error : public std::runtime_error {
  public:
   explicit Error(Fault fault, Trouble trouble = Trouble::input);
-  /// Of one fault, with or without its place.
+  /// An error of one fault, with or without its place.
   Error(Place place, std::string key, std::string rule, std::string found, std::string remedy,
         Trouble trouble = Trouble::input);
   Error(std::string key, std::string rule, std::string found, std::string remedy,

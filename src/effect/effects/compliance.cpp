@@ -12,7 +12,7 @@ Eigen::ArrayXd side_of_friction(const Eigen::ArrayXd& velocity) {
   return (velocity / (slow * std::max(velocity.abs().maxCoeff(), 1e-300))).max(-1.0).min(1.0);
 }
 
-/// Of the effort what a drive needs for itself, and its gear does not transmit.
+/// The part of an effort that a drive needs for itself, and that its gear does not transmit.
 template <typename Number>
 Number needed(const Effect& e, const Number& side, const Number& velocity, const Number& acceleration) {
   return e.number_or("friction", 0) * side + e.number_or("damping", 0) * velocity +

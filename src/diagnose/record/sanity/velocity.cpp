@@ -30,7 +30,7 @@ struct RecordedVelocity {
   Eigen::Index first() const { return rows() / 10; }
 };
 
-/// Of a long record, the `most` consecutive rows in which the velocity changes most: a filter is the same in
+/// The `most` consecutive rows of a long record in which the velocity changes most: a filter is the same in
 /// all of them, and known to the root of their number.
 RecordedVelocity busiest(const RecordedVelocity& r, Eigen::Index most) {
   if (r.rows() <= most) return r;
