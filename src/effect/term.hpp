@@ -29,6 +29,7 @@ struct RecordSignals {
   /// empty.
   Eigen::ArrayXd joint_path, joint_velocity;
   Eigen::ArrayXd effort;       ///< [N m or N]; empty where it is not known
+  bool driven = true;          ///< the effort is a drive's, which needs a part of it for itself
   Eigen::ArrayXd temperature;  ///< rise since the start [K]; empty where it is not known
 
   Eigen::Index rows() const { return path.size(); }

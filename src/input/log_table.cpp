@@ -69,7 +69,7 @@ void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector
     files_[f].interpolated = any && !of_readings[f] && missing_values_ != MissingValues::hold;
     for (const std::size_t c : files_[f].columns)
       if (files_[f].interpolated && columns_[c].joining == Joining::interpolated)
-        columns_[c].stamps = std::make_shared<std::vector<double>>();
+        columns_[c].between = std::make_shared<ColumnSamples>();
   }
 }
 
@@ -200,7 +200,10 @@ bool LogTable::interpolate(File& file, double time) {
         const bool again = !around.empty() && around.back().time == file.time;
         if (again) around.pop_back();
         around.push_back({file.time, file.values[k]});
-        if (!again && of_file(k).stamps) of_file(k).stamps->push_back(file.time);
+        if (const auto& all = of_file(k).between; all && !again) {
+          all->time.push_back(file.time);
+          all->value.push_back(file.values[k]);
+        }
       }
     }
   }

@@ -63,10 +63,9 @@ class LogTable {
                                                                            : rows_ - columns_[chosen].samples;
   }
 
-  /// Stamps of an interpolated column's samples [s after `time_origin`]; null: it is not interpolated.
-  std::shared_ptr<const std::vector<double>> samples(std::size_t chosen) const {
-    return columns_[chosen].stamps;
-  }
+  /// Samples of an interpolated column [s after `time_origin`, unit of the file]; null: it is not
+  /// interpolated.
+  const std::shared_ptr<ColumnSamples>& between(std::size_t chosen) const { return columns_[chosen].between; }
 
   double time_origin() const { return clock_->origin(); }
   Place last_line() const;
@@ -101,7 +100,7 @@ class LogTable {
     std::uint64_t longest_hold = 1;
     std::uint64_t samples = 0;      // in rows that were not dropped
     std::deque<TimedValue> around;  // of an interpolated column: two before the present row, two behind it
-    std::shared_ptr<std::vector<double>> stamps;
+    std::shared_ptr<ColumnSamples> between;
   };
 
   void read_row(File&);

@@ -165,7 +165,11 @@ class LogReader::Rows {
       throw Error(table_.last_line(), "", "the log has no rows", "only a header", "");
     if (count == 0) {
       find_grids();
-      for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].samples = table_.samples(i);
+      for (std::size_t i = 0; i < log.columns.size(); ++i)
+        if (const auto& between = table_.between(i)) {
+          for (double& x : between->value) x = log.columns[i].scale.in_si(x);
+          log.columns[i].samples = between;
+        }
       for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
       return false;
     }

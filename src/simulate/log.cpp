@@ -33,7 +33,7 @@ std::vector<Eigen::Index> Log::rows_at_samples(std::size_t column) const {
   if (!columns[column].samples || !stamps) return next;
   const auto time = values.col(*stamps);
   Eigen::Index k = 0;
-  for (const double sample : *columns[column].samples) {
+  for (const double sample : columns[column].samples->time) {
     while (k + 1 < time.size() && std::abs(time[k + 1] - sample) <= std::abs(time[k] - sample)) ++k;
     if (next.empty() || next.back() != k) next.push_back(k);
   }

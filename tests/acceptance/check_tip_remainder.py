@@ -81,12 +81,68 @@ def check_sag(t, qerr, rng, folder, case):
         t.check(f"{case}: its compliance to 2 %", len(found) == 1 and abs(found[0] / compliance - 1) < 0.02, f"{found} for {compliance}")
 
 
+def check_tracker(t, qerr, rng, folder, case):
+    """A tracker that repeats its samples, or is late, beside joints with references, or whose mount gives way; the arm has no fault."""
+    a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(17, 19))
+    (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))
+    (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
+    step, time, noise = 2 * math.pi / counts, np.arange(7000) / 400, 5e-5
+    sizes, rates, phases = rng.uniform(0.2, 0.5, (2, 2)), rng.uniform(0.15, 0.6, (2, 2)), rng.uniform(0, 6, (2, 2))
+
+    def angles(at):
+        return [sum(s * np.sin(2 * math.pi * r * at + p) for s, r, p in zip(*joint)) for joint in zip(sizes, rates, phases)]
+
+    def tip(at):
+        q = angles(at)
+        return np.array([a * f(q[0]) + b * f(q[0] + q[1]) for f in (np.cos, np.sin)])
+
+    def diagnosed(tracked, references=False):
+        columns = {"time [s]": ("%.4f", time)}
+        for j, q in enumerate(angles(time)):
+            columns[f"q{j + 1}.counts"] = "%d", np.round(q / step)
+            if references:
+                columns[f"q{j + 1}.reference [rad]"] = "%.9f", q + 0.1 * step * rng.standard_normal(len(time))
+        columns |= {"tip.x [m]": ("%.7f", tracked[0]), "tip.y [m]": ("%.7f", tracked[1])}
+        np.savetxt(folder / "log.csv", np.column_stack([x for _, x in columns.values()]), [f for f, _ in columns.values()], ",",
+                   comments="", header=",".join(columns))
+        d = json.loads(run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "--format", "json", "-q").out)
+        return d, f"{d['verdict']} {[(c['effect'], c['joint']) for c in d['causes']]} {d['unexplained']} {d['data']}"
+
+    white = noise * rng.standard_normal((2, len(time)))
+    rows = int(rng.integers(3, 8))
+    sampled = np.repeat((tip(time) + white)[:, ::rows], rows, axis=1)[:, :len(time)]
+    d, said = diagnosed(sampled)
+    t.check(f"{case}: samples held for {rows} rows are told, and no more", not d["causes"] and not d["unexplained"] and
+            any(f["kind"] == "repeated" for f in d["data"]), said)
+    still = (tip(time) + white)
+    still[:, 3000:3300] = still[:, [3000]]
+    d, said = diagnosed(still)
+    t.check(f"{case}: a lost target is told, and no more", not d["causes"] and not d["unexplained"] and
+            any(f["kind"] == "repeated" for f in d["data"]), said)
+    lost = tip(time) + white
+    hit = rng.choice(len(time), 20, replace=False)
+    lost[:, hit] += rng.uniform(0.05, 0.2, (2, len(hit)))
+    d, said = diagnosed(lost)
+    t.check(f"{case}: single positions far off are told, each of {len(hit)}, and no more", not d["causes"] and not d["unexplained"] and
+            any(f["kind"] == "corrupt" and f["what"].startswith(f"{len(hit)} positions") for f in d["data"]), said)
+    late = rng.uniform(0.01, 0.04)
+    d, said = diagnosed(tip(time - late) + white, references=True)
+    delays = [p["value"] for c in d["causes"] for p in c["parameters"] if (c["effect"], c["joint"], p["name"]) == ("latency", "tip", "delay")]
+    t.check(f"{case}: a tracker that is late by {late:.4f} s beside references", len(d["causes"]) == 1 and len(delays) == 1 and
+            abs(abs(delays[0]) - late) < 5e-4, f"{said} {delays}")
+    yields = np.outer(rng.uniform(-1, 1, 2), 20 * noise * (1 - np.exp(-time / rng.uniform(3, 20))))
+    d, said = diagnosed(tip(time) + white + yields)
+    t.check(f"{case}: a mount that gives way is no fault of the arm", not d["causes"] and
+            [u["joint"] for u in d["unexplained"]] == ["tip"], said)
+
+
 def main():
     arguments, qerr, t = study_and_tally(rounds=3)
     rng = np.random.default_rng(arguments.seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for round_ in range(arguments.rounds):
+            check_tracker(t, qerr, rng, folder, f"round {round_}, a tracker")
             check_sag(t, qerr, rng, folder, f"round {round_}, under its weight")
             a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(12, 17))
             (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))

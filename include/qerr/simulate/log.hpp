@@ -46,6 +46,12 @@ struct Wraps {
   bool contradicted = false;    ///< later rows span more than a turn: the removed steps were not wraps
 };
 
+/// Between which the values of a column are interpolated.
+struct ColumnSamples {
+  std::vector<double> time;   ///< ascending, in the time of the log [s]
+  std::vector<double> value;  ///< with the turns of the file [unit of the column]
+};
+
 struct LogColumn {
   LogSignal signal = LogSignal::time;
   std::size_t index = 0;  ///< independent joint, or coordinate of the tip: 0 x, 1 y, 2 z
@@ -56,10 +62,9 @@ struct LogColumn {
   Wraps wraps;
   /// Of counts: they are multiples of 1/denominator; above 1 for an interpolated encoder; known at the end.
   int denominator = 1;
+  bool computed = false;   ///< of an effort: the load by the masses of the URDF, and not what a drive needs
   std::uint64_t held = 0;  ///< rows that had no value of their own and have the last one
-  /// Stamps of the samples between which the values are interpolated, ascending, in the time of the log [s];
-  /// null: the rows have values of their own.
-  std::shared_ptr<const std::vector<double>> samples;
+  std::shared_ptr<const ColumnSamples> samples;  ///< null: the rows have values of their own
 
   /// Log resolution: every value (before unwrapping) is a multiple of this [unit].
   double step() const;

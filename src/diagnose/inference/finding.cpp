@@ -21,10 +21,40 @@ double mean_square_residual(const Explanation& m, const Evidence& e) {
   return (e.measured - e.reference - m.addition()).square().mean();
 }
 
+namespace {
+
+/// Time of a step, between the rows of the record at which its residual changes most abruptly: the search
+/// knows it to the rows that it uses.
+double time_of_step(const Sampling& s, double time) {
+  constexpr Eigen::Index side = 8;   // rows, of which the means before and behind are compared
+  constexpr std::size_t around = 8;  // groups of rows
+  const Eigen::ArrayXd &used = s.evidence.time, &all = s.record->time;
+  const auto at = static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), time) - used.begin());
+  if (at < 1 || at + 1 >= s.groups.size()) return time;
+  // A rest is few of the search's rows, and long.
+  const Eigen::Index first = s.groups[at - std::min<std::size_t>(at, around)].first + 1, n = all.size(),
+                     last = s.groups[std::min(at + around, s.groups.size()) - 1].end - 1;
+  const Eigen::Index before = std::min(side, first), behind = std::min(side, n - last);
+  const Eigen::ArrayXd error = s.record->measured - s.record->path;
+  const double low = error.segment(first - before, before).mean(), high = error.segment(last, behind).mean();
+  double change = 0, least = 0;
+  Eigen::Index best = first;
+  for (Eigen::Index k = first; k < last; ++k) {
+    change += std::pow(error[k] - low, 2) - std::pow(error[k] - high, 2);
+    if (change < least) least = change, best = k + 1;
+  }
+  return 0.5 * (all[best - 1] + all[best]);
+}
+
+}  // namespace
+
 Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
   Selection s{Explanation(sampling.evidence), {}, {}, {}};
   for (const ChosenTerm& c : found.chosen) {
-    s.model.add(c.candidate.over(sampling));
+    Term t = c.candidate.over(sampling);
+    if (t.step && t.named())
+      t = step_term(sampling.evidence, time_of_step(sampling, t.effect.number("time")));
+    s.model.add(std::move(t));
     s.p_values.push_back(c.p_value);
     s.lost.push_back(c.lost);
   }

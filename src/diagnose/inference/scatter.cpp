@@ -264,9 +264,10 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
       if (std::abs(s.pattern.alternating) > displacement_worth_naming) s.causes.push_back(std::move(*cause));
     }
   const bool white = !e.ordered || lag_one_correlation(m.likelihood().score) < correlated_residual;
-  if (m.noise() < scatter_beyond_reference * own || s.size < scatter_worth_naming * e.step() ||
-      s.size < unnamed || !white)
-    return s;
+  // Of single poses the reference's own noise is not known: less than rounding scatters says nothing of the
+  // encoder.
+  const double least = (e.ordered ? scatter_worth_naming : 1 / std::sqrt(12.0)) * e.step();
+  if (m.noise() < scatter_beyond_reference * own || s.size < least || s.size < unnamed || !white) return s;
   const Trials trials(e, m, std::move(intervals), s.size);
   std::vector<ScatterCause> random;
   Eigen::ArrayXd variance = inflated_noise * known;

@@ -31,13 +31,16 @@ bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
 EncoderReference encoder_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
   const Eigen::RowVectorXd weights = joint_weights(model, encoder);
   EncoderReference r{Eigen::ArrayXd::Zero(log.values.rows())};
+  const auto stamps = log.find(LogSignal::time);
   for (Eigen::Index j = 0; j < weights.size(); ++j) {
     if (std::abs(weights[j]) < negligible_weight) continue;
     const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
     if (!column) return {};
+    const LogColumn& head = log.columns[static_cast<std::size_t>(*column)];
     r.position += weights[j] * log.values.col(*column);
-    r.log_resolution = std::max(r.log_resolution,
-                                std::abs(weights[j]) * log.columns[static_cast<std::size_t>(*column)].step());
+    r.log_resolution = std::max(r.log_resolution, std::abs(weights[j]) * head.step());
+    if (stamps && head.samples)
+      r.noise = std::hypot(r.noise, weights[j] * noise_between(head, log.values.col(*stamps)));
   }
   return r;
 }
@@ -157,7 +160,8 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   if (e.ordered) {
     e.time = time;
     e.interval = time[time.size() - 1] / static_cast<double>(time.size());
-    SmoothPath smooth = smooth_path(time, e.reference, e.log_resolution);
+    const double least_noise = std::max(e.log_resolution, std::sqrt(12.0) * reference.noise);
+    SmoothPath smooth = smooth_path(time, e.reference, least_noise);
     e.path = std::move(smooth.position);
     e.velocity = std::move(smooth.velocity);
     e.acceleration = std::move(smooth.acceleration);
@@ -183,6 +187,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   }
   if (const auto effort = log.find(LogSignal::effort, encoder)) {
     e.effort = log.values.col(*effort);
+    e.driven = !log.columns[static_cast<std::size_t>(*effort)].computed;
     // Of what a drive needs beside its load the rotor's part is known well enough by the change of the speed.
     if (e.ordered && e.acceleration.size() == 0)
       e.acceleration = smooth_path(time, e.joint_rate(), 0, true).velocity;

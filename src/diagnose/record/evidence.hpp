@@ -21,6 +21,7 @@ bool depends_on_one_joint(const OperationalModel&, Eigen::Index encoder);
 struct EncoderReference {
   Eigen::ArrayXd position;    ///< [rad or m]; empty if a joint's reference is missing
   double log_resolution = 0;  ///< coarsest step of these columns in the file [rad or m]
+  double noise = 0;  ///< of those that are interpolated between samples, see noise_between [rad or m]
 };
 EncoderReference encoder_reference(const OperationalModel&, const Log&, Eigen::Index encoder);
 

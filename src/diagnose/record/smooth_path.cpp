@@ -156,10 +156,30 @@ class Window {
     return std::sqrt(squares / count);
   }
 
+  /// Whether this window has moved the path of a narrower one by more than noise does: a distortion that the
+  /// residual, most of which is noise, does not show yet. Of differences of overlapping windows few are
+  /// independent.
+  bool distorts(const Window& narrower, double noise) const {
+    constexpr double deviations = 3, least = 0.15;
+    double squares = 0, expected = 0;
+    std::optional<FitWeights> own, own_of_narrower;
+    for (Eigen::Index k = h_; k < x_.size() - h_; k += stride_of(x_.size())) {
+      Eigen::VectorXd weights = fit(k, own).value;
+      weights.segment(h_ - narrower.h_, 2 * narrower.h_ + 1) -= narrower.fit(k, own_of_narrower).value;
+      squares += std::pow(weights.dot(window_at(k)), 2);
+      expected += weights.squaredNorm();
+    }
+    const double independent = static_cast<double>(x_.size()) / static_cast<double>(2 * narrower.h_ + 1);
+    return squares >
+           (1 + std::max(least, deviations * std::sqrt(2 / independent))) * expected * noise * noise;
+  }
+
+  bool is_line() const { return h_ == half_windows.front(); }
+
   /// Position and its derivatives at every row. At the ends a fit would be one-sided: there the position is
   /// the recorded one.
   SmoothPath path(double noise) const {
-    const bool smoothed = h_ > half_windows.front();  // a line through three samples hardly reduces noise
+    const bool smoothed = !is_line();  // a line through three samples hardly reduces noise
     // A curvature of three samples would be noise.
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
@@ -238,7 +258,13 @@ double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const
                    double instant) {
   const auto next = std::upper_bound(time.begin(), time.end(), instant);
   const auto k = std::clamp<Eigen::Index>(next - time.begin() - 1, 0, time.size() - 1);
-  if (next == time.begin() || next == time.end()) return path[k] + velocity[k] * (instant - time[k]);
+  if (next == time.begin() || next == time.end()) {
+    const double beyond = instant - time[k];
+    const double back = std::clamp(time[k] - beyond, time[0], time[time.size() - 1]);
+    if (back == time[k]) return path[k] + velocity[k] * beyond;
+    const double slope = (path[k] - position_at(time, path, velocity, back)) / (time[k] - back);
+    return path[k] + (2 * velocity[k] - slope) * beyond;
+  }
   const double length = time[k + 1] - time[k], u = (instant - time[k]) / length, v = 1 - u;
   return v * v * (1 + 2 * u) * path[k] + u * u * (3 - 2 * u) * path[k + 1] +
          length * u * v * (v * velocity[k] - u * velocity[k + 1]);
@@ -247,6 +273,26 @@ double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   if (!has_path(time)) return 0;
   return std::max(noise_of(time, recorded, log_resolution), log_resolution / std::sqrt(12.0));
+}
+
+double noise_between(const LogColumn& column, const Eigen::ArrayXd& time) {
+  if (!column.samples) return 0;
+  const std::vector<double>& stamps = column.samples->time;
+  double squares = 0;
+  std::size_t next = 0;
+  for (const double t : time) {
+    while (next + 1 < stamps.size() && stamps[next] < t) ++next;
+    const double u =
+        next > 0 ? std::clamp((stamps[next] - t) / (stamps[next] - stamps[next - 1]), 0.0, 1.0) : 0;
+    const Eigen::Array4d weights{-u * (1 - u) * (2 - u) / 6, (1 - u * u) * (2 - u) / 2,
+                                 u * (1 + u) * (2 - u) / 2, -u * (1 - u * u) / 6};
+    squares += weights.square().sum();
+  }
+  const auto array = [](const std::vector<double>& x) -> Eigen::ArrayXd {
+    return Eigen::Map<const Eigen::ArrayXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+  };
+  return noise_of_path(array(stamps), array(column.samples->value), 0) *
+         std::sqrt(squares / static_cast<double>(time.size()));
 }
 
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
@@ -261,6 +307,7 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
     if (2 * h + 1 > n / 3) break;
     Window next(time, recorded, h, interval);
     if (widest && next.residual_noise() > distorted * noise) break;
+    if (widest && !widest->is_line() && next.distorts(*widest, noise)) break;
     fast = fast && !widest;
     widest.emplace(std::move(next));
   }

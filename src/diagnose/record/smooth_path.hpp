@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "qerr/simulate/log.hpp"
+
 namespace qerr {
 
 /// Smoothed recorded path.
@@ -23,13 +25,20 @@ struct SmoothPath {
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
                        bool smooth_rates = false);
 
-/// The path at any instant: cubic between its rows, straight beyond its ends.
+/// The path at any instant: cubic between its rows; beyond its ends it keeps the acceleration that it had
+/// over as long a time before them.
 /// @param time  increasing [s]
 double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
                    double instant);
 
 /// `noise` of the smooth path alone.
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution);
+
+/// Standard deviation of the noise of a column whose values are interpolated between samples (LogTable), in
+/// the mean of some rows: of the samples' own white noise, the part that cubics through four of them leave; 0
+/// without samples.
+/// @param time  of the rows, ascending [s]
+double noise_between(const LogColumn&, const Eigen::ArrayXd& time);
 
 /// Direction of a joint's last motion: -1 or +1, 0 before the first motion. Reversals smaller than
 /// `threshold` are treated as noise.

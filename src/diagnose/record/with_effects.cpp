@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/record/sampling.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -79,6 +80,21 @@ void move(Evidence& e, const Eigen::ArrayXd& by) {
 
 Eigen::ArrayXd path_as_read(const Evidence& e, const std::vector<Effect>& clocks) {
   return e.joint_angle() + joint_addition(e, clocks);
+}
+
+Evidence within_record(Evidence e, const std::vector<Effect>& effects) {
+  if (!e.ordered) return e;
+  for (const Effect& effect : effects) {
+    if (effect.joint != e.joint || effect_kind(effect.type).stage != Stage::clock || is_random(effect))
+      continue;
+    const Action instant = effect_kind(effect.type).action(effect, e.encoder, 0);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index k = 0; k < e.rows(); ++k)
+      if (const double t = instant(e.time[k], {}); t >= e.time[0] && t <= e.time[e.rows() - 1])
+        rows.push_back(k);
+    if (static_cast<Eigen::Index>(rows.size()) < e.rows() && !rows.empty()) e = rows_of(e, rows);
+  }
+  return e;
 }
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {

@@ -15,6 +15,10 @@ namespace qerr {
 /// of the load need the effort column.
 Evidence with_effects(Evidence, const std::vector<Effect>&);
 
+/// The rows whose clocks, by these effects, read the path within the record: what it was before and behind is
+/// not known.
+Evidence within_record(Evidence, const std::vector<Effect>&);
+
 /// The joint's path where the clocks of its encoder read it: what drives a play at the joint [rad or m].
 Eigen::ArrayXd path_as_read(const Evidence&, const std::vector<Effect>& clocks);
 

@@ -23,23 +23,29 @@ Number needed(const Effect& e, const Number& side, const Number& velocity, const
 void fill_of_drive(Effect& e, const Eigen::VectorXd& c) {
   e.numbers["compliance"] = c[0];
   e.numbers["friction"] = std::max(0.0, c[1] / c[0]);
+  if (c.size() == 2) return;
   e.numbers["inertia"] = std::max(0.0, c[2] / c[0]);
   e.numbers["damping"] = c[3] / c[0];
 }
 
-/// By the effort as a load, and as the torque of a drive. Friction that falls with the speed has a negative
+/// By the effort as a load, and as the torque of a drive: also without its inertia, which is not told from
+/// the load's where nothing but inertia loads the joint. Friction that falls with the speed has a negative
 /// damping.
 std::vector<Term> terms(const RecordSignals& s) {
   if (s.effort.size() == 0) return {};
   Term load = linear_term(s, "compliance", s.effort,
                           [](Effect& e, const Eigen::VectorXd& c) { e.numbers["compliance"] = c[0]; });
-  if (!s.ordered || s.measured.size() == 0 || s.acceleration.size() == 0 || s.is_stationary()) return {load};
+  if (!s.driven || !s.ordered || s.measured.size() == 0 || s.acceleration.size() == 0 || s.is_stationary())
+    return {load};
   Term drive = load;
   drive.columns.resize(s.rows(), 4);
   drive.columns << s.effort, -side_of_friction(s.joint_rate()), -s.acceleration, -s.joint_rate();
   drive.fill = fill_of_drive;
   drive.positive = 3;
-  return {load, drive};
+  Term slow = drive;
+  slow.columns = drive.columns.leftCols(2).eval();
+  slow.positive = 2;
+  return {load, slow, drive};
 }
 
 /// The side of friction as the terms have it.

@@ -9,6 +9,7 @@
 #include "bound/noise_in_motion.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
+#include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/control.hpp"
@@ -291,9 +292,30 @@ std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) 
 
 }  // namespace
 
+namespace {
+
+/// Every encoder's part of the variance, with the effects of its joint along a motion, which are not sources
+/// of the model: at the tip they have the column of the counts, in the ratio of their variance to Delta^2/12.
+std::vector<double> variance_parts(const Analysis& a) {
+  std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
+  if (!a.spec.model.along_motion) return parts;
+  const std::vector<double> quantization = by_encoder(a, a.workspace.mean_quantization_parts);
+  for (const EffectShare& s : a.effects) {
+    const EffectKind& kind = effect_kind(s.effect.type);
+    const bool source = kind.stage == Stage::line || kind.random() || kind.stage == Stage::kinematics ||
+                        (needs_effort({s.effect}) && !has_masses(a.spec.model.chain));
+    if (!s.included || !s.share || source) continue;
+    const double step = a.spec.model.transmission.encoders[s.joint].resolution;
+    parts[s.joint] += 12 * std::pow(s.share->sigma / step, 2) * quantization[s.joint];
+  }
+  return parts;
+}
+
+}  // namespace
+
 std::vector<double> encoder_budget(const Analysis& a) {
   if (a.spec.model.coordinates.empty()) return {};
-  std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
+  std::vector<double> parts = variance_parts(a);
   const double total = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (total > 0)
     for (double& part : parts) part = part > rounding * total ? part / total : 0;
@@ -302,7 +324,7 @@ std::vector<double> encoder_budget(const Analysis& a) {
 
 std::vector<BudgetParts> budget_parts(const Analysis& a) {
   const std::vector<double> shares = encoder_budget(a);
-  const std::vector<double> all = by_encoder(a, a.workspace.mean_variance_parts);
+  const std::vector<double> all = variance_parts(a);
   const std::vector<double> quantization = by_encoder(a, a.workspace.mean_quantization_parts);
   std::vector<BudgetParts> parts(shares.size());
   for (std::size_t e = 0; e < parts.size(); ++e) {

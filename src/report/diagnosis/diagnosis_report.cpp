@@ -150,9 +150,18 @@ std::string extended_model(const DiagnosisReport& r, const std::string& target) 
   if (d.causes.empty()) return extended_spec(r.spec, {}, remarks + ", no effects to add", target);
   remarks += ", residual " + readable(d.gain.rms_before, unit) + " -> " + readable(d.gain.rms_after, unit) +
              (d.gain.held_out ? " (held out)" : "");
+  const auto& columns = r.log.columns;
+  const bool referenced = std::any_of(columns.begin(), columns.end(),
+                                      [](const LogColumn& c) { return c.signal == LogSignal::reference; });
   std::vector<AddedEffect> effects;
-  for (const Cause& cause : d.causes)
-    if (!is_filter(cause.effect)) effects.push_back({cause.effect, note(r.spec, cause)});
+  for (const Cause& cause : d.causes) {
+    if (is_filter(cause.effect)) continue;
+    // Readings that agree with their references are not late.
+    if (referenced && cause.effect.joint == "tip" && effect_kind(cause.effect.type).stage == Stage::clock)
+      remarks += "\nof the tracker's stamps, which a spec does not have: " + note(r.spec, cause);
+    else
+      effects.push_back({cause.effect, note(r.spec, cause)});
+  }
   return extended_spec(r.spec, effects, remarks, target, found_filters(r));
 }
 

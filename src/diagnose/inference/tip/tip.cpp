@@ -11,6 +11,7 @@
 #include "diagnose/inference/tip/tip_remainder.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
+#include "diagnose/record/sanity/sanity_steps.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "simulate/sensing.hpp"
@@ -177,6 +178,27 @@ bool outweighs(const Unidentified& left, const Gain& gain) {
   return 0.5 * left.amplitude * left.amplitude > explained(gain);
 }
 
+/// Whether causes displace the tip by many times what they explain together: no machine has faults that
+/// cancel so well.
+bool cancel(const TipModel& m, double without) {
+  constexpr double times = 20;
+  const auto rms_of = [&](const Eigen::VectorXd& x) { return rms(x.array()); };
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (rms_of(m.columns(i) * m.coefficients(i)) > times * without) return true;
+  if (m.frames().target &&
+      rms_of(m.columns({TipTerm::Kind::tool, {}, 0}) * m.estimate().tool) > times * without)
+    return true;
+  if (!m.frames().base) return false;
+  const Eigen::Isometry3d base = m.estimate().base * m.nominal().tracker.inverse();
+  double squares = 0;
+  for (const auto& tip : m.evidence().tip.colwise()) {
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    at(m.evidence().axes) = tip;
+    squares += (base * at - at).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(m.evidence().tip.size())) > times * without;
+}
+
 /// Whether what remains beside causes may be theirs: the fit is linear in the encoders' errors, and leaves up
 /// to a tenth of their size.
 bool is_linearization(const Unidentified& left, const Gain& gain) {
@@ -274,6 +296,40 @@ void name_frames(const TipModel& m, TipDiagnosis& d) {
   if (m.frames().target) add_frame_cause(m, "tool", m.estimate().tool, of_base, d);
 }
 
+/// A displaced tool and a joint that is displaced, or turned, do the same in some records: on the last joints
+/// of an arm in any.
+void hedge_tool(const TipModel& m, TipDiagnosis& d) {
+  constexpr double alike = 12;  // chi-squared of what tells them apart
+  constexpr std::string_view record =
+      "no pose of this record tells them apart: measure the tool, or move the last joints further";
+  const Eigen::VectorXd root = m.solution().weight.cwiseSqrt();
+  const auto told_apart = [&](const Eigen::VectorXd& displacement, const Eigen::MatrixXd& columns) {
+    const Eigen::MatrixXd weighted = root.asDiagonal() * columns;
+    const Eigen::VectorXd target = root.cwiseProduct(displacement);
+    return (target - weighted * least_norm_solution(weighted, target)).squaredNorm() > alike;
+  };
+  const Eigen::MatrixXd tool = m.columns({TipTerm::Kind::tool, {}, 0});
+  const auto add = [&](const std::string& cause, const std::string& other, const std::string& joint) {
+    const bool known = std::any_of(d.alternatives.begin(), d.alternatives.end(), [&](const auto& a) {
+      return a.instead_of == cause && a.effect == other && a.joint == joint;
+    });
+    if (!known) d.alternatives.push_back({cause, other, joint, std::string(record)});
+  };
+  if (!m.frames().target) {
+    for (std::size_t i = 0; i < m.terms().size(); ++i)
+      if (const TipTerm& t = m.terms()[i];
+          t.kinematic() && t.term.named() && !told_apart(m.columns(i) * m.coefficients(i), tool))
+        add(t.term.effect.type, "tool", "tip");
+    return;
+  }
+  const Eigen::VectorXd displacement = tool * m.estimate().tool;
+  if (std::none_of(d.causes.begin(), d.causes.end(), [](const Cause& c) { return c.effect.type == "tool"; }))
+    return;
+  for (const TipTerm& t : tip_terms(m.evidence(), m.estimate()))
+    if (t.kinematic() && t.term.named() && !chosen(m, t) && !told_apart(displacement, m.columns(t)))
+      add("tool", t.term.effect.type, t.term.effect.joint);
+}
+
 /// By how much the logged coordinates of the tip change per unit of each joint, at most [m/rad or 1], in
 /// some rows of the record.
 Eigen::MatrixXd sensitivity(const OperationalModel& model, const TipEvidence& e) {
@@ -339,22 +395,11 @@ std::vector<Eigen::Index> far_off(const TipEvidence& e, const Eigen::ArrayXd& di
 
 DataFinding outliers(const TipEvidence& e, const Log& log, const std::vector<Eigen::Index>& rows,
                      double largest) {
-  std::string where;
-  const auto number = [&](Eigen::Index k) {
-    return log.row_number(e.row_of_log[static_cast<std::size_t>(k)]) + 1;
-  };
-  for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
-    where += (i > 1 ? ", " : "; also row ") + std::to_string(number(rows[i]));
-  if (rows.size() > 5) where += ", ...";
-  DataFinding f{counted(rows.size(), "position") + " of the tip " + (rows.size() == 1 ? "is" : "are") +
-                    " far off, by up to " + readable(largest, "m") + where,
-                "tip",
-                number(rows.front()),
-                {},
-                "these rows are left out here; look for a hidden target, or for reflections",
-                DataKind::corrupt};
-  if (e.ordered) f.time = e.encoders.front().time[rows.front()];
-  return f;
+  std::vector<std::uint64_t> numbers;
+  for (const Eigen::Index k : rows)
+    numbers.push_back(log.row_number(e.row_of_log[static_cast<std::size_t>(k)]) + 1);
+  return sanity::far_positions(
+      numbers, largest, e.ordered ? std::optional(e.encoders.front().time[rows.front()]) : std::nullopt);
 }
 
 /// Selects the causes without positions that are far off. Each round leaves out fewer rows than are left.
@@ -412,13 +457,16 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const Eigen::MatrixXd simulated = simulated_tip(model, s.model),
                         residual = left_by_simulation(s.model, simulated);
   std::vector<Unidentified> left = tip_remainder(s.model, s.model.in_base(s.model.solution().residual));
-  if (auto displaced = displaced_target(alone, d.gain.rms_after); !displaced.empty()) {
+  auto displaced = displaced_target(alone, d.gain.rms_after);
+  if (displaced.empty()) displaced = wandering_tracker(alone, s.model);
+  if (!displaced.empty()) {
     d.gain = gain_of(alone, alone);
     d.unexplained = std::move(displaced);
     find_unseen(model, *e, d);
     return d;
   }
-  if (!improves(s.model, d.gain) || (!left.empty() && outweighs(left.front(), d.gain))) {
+  if (!improves(s.model, d.gain) || cancel(s.model, without) ||
+      (!left.empty() && outweighs(left.front(), d.gain))) {
     d.gain = gain_of(alone, alone);
     d.unexplained = tip_remainder(alone, alone.in_base(alone.solution().residual));
     judge_by_repeats(alone, d);
@@ -446,6 +494,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     d.alternatives.push_back(
         {at_base->effect.type, "frame", "tip",
          "no pose tells a displaced " + first + " from a displaced frame: survey the tracker at the base"});
+  hedge_tool(s.model, d);
   find_unseen(model, *e, d);
   return d;
 }

@@ -41,7 +41,10 @@ Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t
     e.velocity = smooth.velocity;
     e.direction = direction_of_motion(measured, 1.5 * e.step());
   }
-  if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
+  if (const auto effort = log.find(LogSignal::effort, i)) {
+    e.effort = log.values.col(*effort);
+    e.driven = !log.columns[static_cast<std::size_t>(*effort)].computed;
+  }
   if (const auto warm = log.find(LogSignal::temperature, i))
     e.temperature = log.values.col(*warm) - log.values(0, *warm);
   return e;
@@ -74,6 +77,7 @@ void take_off(TipEvidence& e, const std::vector<Effect>& present) {
       of_clock.push_back(effect);
   }
   for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+    if (!e.judged(i)) continue;
     Evidence& own = e.encoders[i];
     const Eigen::ArrayXd read = own.path, timed = own.path = in_time(own, of_clock);
     Eigen::ArrayXd added = Eigen::ArrayXd::Zero(own.rows());
@@ -231,8 +235,11 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     } else {
       e.joints.row(j) = measured->matrix().transpose();
     }
-    read.row(j) = measured ? measured->matrix().transpose() : e.joints.row(j).eval();
+    read.row(j) = e.joints.row(j);
   }
+  e.delayed = e.to_joints;
+  for (Eigen::Index i = 0; i < count; ++i)
+    if (!e.judged(static_cast<std::size_t>(i))) e.delayed.col(i) = model.transmission.coupling.dense().col(i);
   const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
   e.encoders.resize(static_cast<std::size_t>(count));
   parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
@@ -246,9 +253,13 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     keep_paths(e);
     e = with_rows(std::move(e), fresh);
   }
-  for (const auto& axis : e.tip.rowwise())
-    if (e.ordered)
-      e.noise = std::max(e.noise, noise_of_path(e.encoders.front().time, axis.transpose(), e.log_resolution));
+  const double first = e.ordered ? log.values(0, *log.find(LogSignal::time)) : 0;
+  for (Eigen::Index axis = 0; axis < e.tip.rows() && e.ordered; ++axis) {
+    const Eigen::ArrayXd& stamps = e.encoders.front().time;
+    const LogColumn& head = log.columns[static_cast<std::size_t>(columns[static_cast<std::size_t>(axis)])];
+    e.noise = std::max({e.noise, noise_of_path(stamps, e.tip.row(axis).transpose(), e.log_resolution),
+                        noise_between(head, stamps + first)});
+  }
   shorten(e);
   if (fresh.empty()) keep_paths(e);
   return without_ends(std::move(e));
@@ -271,7 +282,7 @@ TipEvidence with_rows(TipEvidence e, const std::vector<Eigen::Index>& rows) {
 
 TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
   const auto count = static_cast<Eigen::Index>(chain.joints.size());
-  const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
+  const Eigen::VectorXd q = e.joints.col(row) - e.delayed * additions.col(row);
   TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}, {}};
   Eigen::Isometry3d frame = base;
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -343,7 +354,7 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       for (std::size_t i = 0; i < e.encoders.size(); ++i)
         if (delays(i, e)) {
           const auto at = static_cast<Eigen::Index>(i);
-          columns += p.encoders.col(at) * delayed_reading(e, i, row, estimate.delay[at]).slope;
+          columns += p.joints * e.delayed.col(at) * delayed_reading(e, i, row, estimate.delay[at]).slope;
         }
       break;
     case Kind::geometry:
@@ -397,18 +408,21 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
         }
   }
   const std::string delay(latency_effect().name);
-  std::optional<Term> late;
-  for (std::size_t i = 0; i < e.encoders.size(); ++i)
-    if (e.judged(i))
-      for (Term& t : named_terms(corrected_evidence(e, estimate, i))) {
-        if (t.of_reference)
-          continue;  // without a reference at the joint, the encoder's own path drives no play
-        const bool delays = t.effect.type == delay;
-        if (delays) late = t;
-        terms.push_back({delays ? TipTerm::Kind::late : TipTerm::Kind::encoder, std::move(t), i});
-      }
   const auto count = e.encoders.size();
-  if (late && count > 1) {
+  std::optional<Term> late;
+  bool any = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    any = any || e.judged(i);
+    for (Term& t : named_terms(corrected_evidence(e, estimate, i))) {
+      if (t.of_reference)
+        continue;  // without a reference at the joint, the encoder's own path drives no play
+      const bool delays = t.effect.type == delay;
+      if (delays) late = t;
+      if (e.judged(i))
+        terms.push_back({delays ? TipTerm::Kind::late : TipTerm::Kind::encoder, std::move(t), i});
+    }
+  }
+  if (late && (count > 1 || !any)) {
     late->effect.joint = "tip";
     terms.push_back({TipTerm::Kind::late, std::move(*late), count});
   }

@@ -28,6 +28,8 @@ struct TipEvidence {
   Eigen::MatrixXd joints;          ///< independent joints x rows [rad or m]
   Eigen::VectorXd joint_noise;     ///< of the joints' references, 0 without one [rad or m]
   Eigen::MatrixXd to_joints;       ///< joints x encoders: the coupling, 0 in rows of joints with a reference
+  Eigen::MatrixXd
+      delayed;  ///< the same, with the coupling of encoders that have 0 only: a late tip delays all joints
   std::vector<Evidence> encoders;  ///< path, speed, direction and load of every encoder, as read
   double noise = 0;                ///< of the tracker, per coordinate; 0: unknown [m]
   double log_resolution = 0;       ///< rounding step of the logged coordinates [m]
@@ -106,7 +108,7 @@ struct TipTerm {
   }
   /// Of a late term: whether it delays this encoder.
   bool delays(std::size_t encoder, const TipEvidence& e) const {
-    return kind == Kind::late && (where == e.encoders.size() ? e.judged(encoder) : where == encoder);
+    return kind == Kind::late && (where == e.encoders.size() || where == encoder);
   }
   Eigen::Index size() const;
 

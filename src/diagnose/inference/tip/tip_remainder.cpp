@@ -177,6 +177,37 @@ std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd
   return {u};
 }
 
+std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipModel& causes) {
+  const TipEvidence& e = alone.evidence();
+  constexpr Eigen::Index knots = 9;
+  constexpr double most_of_it = 0.5;  // of the variance
+  if (!e.ordered || e.rows() < 16 * knots || causes.frames().size() + causes.size() == 0) return {};
+  const Eigen::MatrixXd left = alone.in_base(alone.solution().residual);
+  const Eigen::ArrayXd place = time_of(e) * ((knots - 1) / time_of(e).maxCoeff());
+  Eigen::MatrixXd hats(e.rows(), knots);
+  for (Eigen::Index i = 0; i < knots; ++i)
+    hats.col(i) = (1 - (place - static_cast<double>(i)).abs()).cwiseMax(0).matrix();
+  const Eigen::MatrixXd normal = hats.transpose() * hats;
+  const Eigen::MatrixXd wander = hats * normal.ldlt().solve(hats.transpose() * left);
+  const double whole = (left.rowwise() - left.colwise().mean()).squaredNorm(),
+               rest = (left - wander).squaredNorm(), by_causes = causes.solution().residual.squaredNorm();
+  // Schwarz's criterion; twice, as neighbouring rows are not independent.
+  const auto entries = static_cast<double>(left.size());
+  const auto more = static_cast<double>(wander.cols() * (knots - 1) - causes.frames().size() - causes.size());
+  const double gained = 0.5 * entries * std::log(by_causes / rest),
+               price = std::log(entries) * std::max(more, 4.0);
+  if (rest > (1 - most_of_it) * whole || !(gained > price)) return {};
+  const Eigen::MatrixXd about = wander.rowwise() - wander.colwise().mean();
+  Unidentified u{"tip",
+                 "changes slowly in time",
+                 {},
+                 {},
+                 std::sqrt(2 * about.squaredNorm() / static_cast<double>(left.rows()))};
+  u.next =
+      "look whether the tracker warms up or its mount gives way: track a point that rests beside the tip";
+  return {u};
+}
+
 std::vector<Unidentified> displaced_target(const TipModel& alone, double left_by_causes) {
   const TipEvidence& e = alone.evidence();
   if (e.rows() < fewest_rows_in_time || e.axes.size() < 3) return {};

@@ -23,6 +23,11 @@ inline constexpr double computed_tip = 1e-9;
 /// @returns at most one; none of fewer than 24 rows
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
+/// What a tracker that wanders adds to the tip, a slow function of time along each coordinate, where it alone
+/// explains more than all causes that were found, by Schwarz's criterion.
+/// @param alone  the model without causes
+std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipModel& causes);
+
 /// One displacement of the tracker, or of the target in the axes of the tip, from one row on, where it alone
 /// leaves less than all causes that were found.
 /// @param alone           the model without causes

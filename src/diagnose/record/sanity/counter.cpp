@@ -193,8 +193,27 @@ void undo_specified_rollover(Sanity& s, std::size_t encoder) {
 
 }  // namespace
 
+namespace {
+
+/// The whole turns by which the reader has moved a reference were chosen by the readings before they were
+/// decoded.
+void choose_turns_again(Sanity& s, const Eigen::ArrayXd& measured, std::size_t encoder) {
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!column || s.model.chain.independent[encoder].prismatic()) return;
+  Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
+  if (wraps.start == 0) return;
+  constexpr double turn = 2 * std::numbers::pi;
+  const Eigen::ArrayXd apart = measured - s.log.values.col(*column);
+  const std::int64_t turns = std::llround(median({apart.begin(), apart.end()}) / turn);
+  s.log.values.col(*column) += static_cast<double>(turns) * turn;
+  wraps.start += turns;
+}
+
+}  // namespace
+
 double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor) {
   Encoder& model = s.model.transmission.encoders[encoder];
+  choose_turns_again(s, read.counts / factor * model.resolution, encoder);
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const double divisor = read.direct ? common_divisor(read.counts) : 1;
   const double true_per_reading = divisor / std::abs(factor);

@@ -361,6 +361,7 @@ bool replace_by_masses(Sanity& s, std::size_t joint, Eigen::Index column, const 
                     {},
                     "the load by the masses of the URDF is used in its place"});
   head.unit = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
+  head.computed = true;
   s.log.values.col(column) = load;
   return true;
 }
@@ -412,15 +413,18 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
                           " at the joint, by the motor's torque constant and the gear ratio"});
 }
 
-/// Gravity's load by the masses of the URDF, for a tracked arm whose log has no efforts. Beside a joint's
-/// reference the twins of its own angle are told from each other by what the joint shows alone.
+/// The loads by the masses of the URDF, for a log without efforts: along the references, or gravity's part by
+/// the readings of a tracked arm.
 void add_loads(Sanity& s) {
   const auto is = [&](LogSignal signal) {
     return std::any_of(s.log.columns.begin(), s.log.columns.end(),
                        [&](const LogColumn& c) { return c.signal == signal; });
   };
-  if (!is(LogSignal::tip) || is(LogSignal::reference)) return;
-  const std::vector<std::optional<Loads>> loads = loads_by_masses(s, paths_of_readings(s));
+  if (!is(LogSignal::tip) && !is(LogSignal::reference)) return;
+  const bool ordered = s.log.has_time();
+  JointPaths paths = ordered ? joint_paths(s) : paths_of_readings(s);
+  if (std::any_of(paths.begin(), paths.end(), [](const auto& p) { return !p; })) paths = paths_of_readings(s);
+  const std::vector<std::optional<Loads>> loads = loads_by_masses(s, paths);
   for (std::size_t j = 0; j < loads.size(); ++j) {
     if (!loads[j]) continue;
     const IndependentJoint& joint = s.model.chain.independent[j];
@@ -428,6 +432,7 @@ void add_loads(Sanity& s) {
     column.signal = LogSignal::effort;
     column.index = j;
     column.unit = joint.prismatic() ? "N" : "N m";
+    column.computed = true;
     column.header = joint.name + ".effort by the URDF's masses";
     s.log.columns.push_back(column);
     s.log.values.conservativeResize(Eigen::NoChange, s.log.values.cols() + 1);

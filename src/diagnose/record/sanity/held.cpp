@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -191,6 +192,96 @@ void check_held_sensors(Sanity& s) {
   // A filter's output at a part of the rows cannot be compared with the filter.
   for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i)
     if (const auto velocity = s.log.find(LogSignal::velocity, i)) drop_column(s.log, *velocity);
+}
+
+namespace {
+
+constexpr std::ptrdiff_t long_hold = 8;  ///< rows of a hold that is a fault of its own (convention)
+
+/// Whether a joint has moved by a good part of its way from one row to another before the row ahead of it.
+bool moved_on_the_way(const Log& log, Eigen::Index from, Eigen::Index to) {
+  constexpr double steps = 3, part = 0.3;
+  return std::any_of(log.columns.begin(), log.columns.end(), [&](const LogColumn& c) {
+    const bool position = c.signal == LogSignal::counts || c.signal == LogSignal::measured ||
+                          (c.signal == LogSignal::reference && !log.find(LogSignal::counts, c.index) &&
+                           !log.find(LogSignal::measured, c.index));
+    if (!position) return false;
+    const auto column = log.values.col(&c - log.columns.data());
+    const double early = std::abs(column[to - 1] - column[from]), all = std::abs(column[to] - column[from]);
+    return early > steps * (c.signal == LogSignal::counts ? 1 : c.step()) && early > part * all;
+  });
+}
+
+/// Rows [first, second) in which all coordinates of a tracker repeat those of the row before, while the
+/// joints move: its next value makes up for it, by more than two of the least changes of a coordinate.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> held_rows(const Log& log,
+                                                             const std::vector<Eigen::Index>& axes) {
+  constexpr double makes_up = 2.5;
+  const Eigen::Index n = log.values.rows();
+  std::vector<double> least;
+  for (const Eigen::Index axis : axes) {
+    const Eigen::ArrayXd change = (log.values.col(axis).tail(n - 1) - log.values.col(axis).head(n - 1)).abs();
+    const double rounding = 0.5 * log.columns[static_cast<std::size_t>(axis)].step();
+    least.push_back((change > rounding).select(change, std::numeric_limits<double>::infinity()).minCoeff());
+  }
+  const auto changed = [&](Eigen::Index from, Eigen::Index to, double steps) {
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      if (std::abs(log.values(to, axes[i]) - log.values(from, axes[i])) > steps * least[i]) return true;
+    return false;
+  };
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> held;
+  Eigen::Index last = 0;
+  for (Eigen::Index k = 1; k < n; ++k) {
+    if (!changed(last, k, 0.5)) continue;
+    if (k > last + 1 && last > 0 && changed(last, k, makes_up) && moved_on_the_way(log, last, k))
+      held.emplace_back(last + 1, k);
+    last = k;
+  }
+  return held;
+}
+
+}  // namespace
+
+void check_held_tip(Sanity& s) {
+  const auto stamps = s.log.find(LogSignal::time);
+  std::vector<Eigen::Index> axes;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const auto axis = s.log.find(LogSignal::tip, i))
+      if (!s.log.columns[static_cast<std::size_t>(*axis)].samples) axes.push_back(*axis);
+  if (!stamps || axes.empty() || s.log.values.rows() < fewest_updates) return;
+  auto held = held_rows(s.log, axes);
+  std::vector<double> rows;
+  for (const auto& [first, end] : held) rows.push_back(static_cast<double>(end - first + 1));
+  const bool regular = static_cast<int>(held.size()) >= fewest_updates;
+  if (!regular) std::erase_if(held, [](const auto& h) { return h.second - h.first < long_hold; });
+  if (held.empty()) return;
+  const Eigen::ArrayXd time = s.log.values.col(*stamps);
+  const Eigen::Index first = held.front().first, count = held.front().second - first;
+  const auto usual = static_cast<Eigen::Index>(median(rows));
+  const double period =
+      regular ? time[first - 1 + usual] - time[first - 1] : time[first + count] - time[first - 1];
+  s.data.push_back(
+      {(regular ? "its position is held for " + std::to_string(usual)
+                : "its position stands still while the joints move, for " +
+                      counted(static_cast<std::uint64_t>(count), "row")) +
+           (regular ? " rows (" : " (") + readable(period, "s") + ")" +
+           (regular || held.size() == 1 ? "" : ", the first of " + counted(held.size(), "place")) +
+           ": only the rows with a fresh value are judged",
+       "tip", s.log.row_number(first) + 1, time[first],
+       regular ? "log at the rate of the tracker, or stamp its values when they are taken"
+               : "look whether the tracker lost its target",
+       DataKind::repeated});
+  for (const Eigen::Index axis : axes) {
+    auto fresh = std::make_shared<ColumnSamples>();
+    auto next = held.begin();
+    for (Eigen::Index k = 0; k < time.size(); ++k) {
+      if (next != held.end() && k >= next->second) ++next;
+      if (next != held.end() && k >= next->first) continue;
+      fresh->time.push_back(time[k]);
+      fresh->value.push_back(s.log.values(k, axis));
+    }
+    s.log.columns[static_cast<std::size_t>(axis)].samples = std::move(fresh);
+  }
 }
 
 /// References that are interpolated, by whoever made the table or as its files are joined: they have more

@@ -85,16 +85,22 @@ void check_losses(Sanity& s, std::size_t encoder) {
   if (!read || !stamps || reference.size() < 8 * side || reference.size() > most_read) return;
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const Eigen::ArrayXd motion = reference / resolution;
-  const std::vector<Loss> losses = losses_of(read->counts - motion, motion);
-  if (losses.size() < fewest_losses) return;
-  Eigen::ArrayXd counts = read->counts;
-  for (const Loss& l : losses) counts.tail(counts.size() - l.row) -= l.counts();
-  const double before = standard_deviation(read->counts - motion),
-               after = standard_deviation(counts - motion);
-  if (!(after < 0.7 * before)) return;
   const double sign = direction(s.model.transmission.encoders[encoder]);
   const Eigen::ArrayXd time_of_row =
       s.log.values.col(*stamps) - s.log.values(0, *stamps);  // as effects count it
+  Eigen::ArrayXd error = read->counts - motion;
+  for (const Effect& e : s.present)
+    if (e.type == missed_counts_effect().name && e.joint == s.model.chain.independent[encoder].name)
+      error -= sign * e.number("counts") * (time_of_row >= e.number("time")).cast<double>();
+  const std::vector<Loss> losses = losses_of(error, motion);
+  if (losses.size() < fewest_losses) return;
+  const double before = standard_deviation(error);
+  for (const Loss& l : losses) {
+    read->counts.tail(error.size() - l.row) -= l.counts();
+    error.tail(error.size() - l.row) -= l.counts();
+  }
+  const double after = standard_deviation(error);
+  if (!(after < 0.7 * before)) return;
   for (const Loss& l : losses) {
     const double time = 0.5 * (time_of_row[l.row] + time_of_row[l.row - 1]);
     Cause c =
@@ -104,7 +110,6 @@ void check_losses(Sanity& s, std::size_t encoder) {
                     {"time", time, time_of_row[l.row - 1], time_of_row[l.row]}};
     s.causes.push_back(std::move(c));
   }
-  read->counts = std::move(counts);
   write_back(s, *read, encoder);
 }
 

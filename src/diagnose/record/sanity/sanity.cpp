@@ -133,12 +133,14 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   sanity::check_loads(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_stuck_bit(s, i);
   sanity::check_outliers(s);
+  sanity::check_held_tip(s);
   sanity::check_held_sensors(s);  // before stuck sensors: a hold of many rows looks like one
   for (const auto step : {sanity::check_losses, sanity::check_unrelated, sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_unreferenced(s, i);
   sanity::check_tracker(s);
+  sanity::check_tip_outliers(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity_column(s, i);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
   sanity::check_interpolated(s);  // last: the other checks see all rows
@@ -157,7 +159,7 @@ std::vector<Evidence> evidence(const Sanity& s, const std::vector<std::size_t>& 
     for (std::size_t i = 0; i < s.rounding_sigma.size(); ++i)
       if (s.rounding_sigma[i] > 0 && s.model.chain.independent[i].name == e.joint)
         e.random_sigma = Eigen::ArrayXd::Constant(e.rows(), s.rounding_sigma[i]);
-    e = with_effects(std::move(e), s.present);
+    e = within_record(with_effects(std::move(e), s.present), s.present);
   }
   return all;
 }

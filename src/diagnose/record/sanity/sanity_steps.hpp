@@ -80,6 +80,14 @@ void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
 void check_held_cells(Sanity&);
 void check_held_sensors(Sanity&);
+/// A tracker's repeated values: its fresh ones become the samples of its columns.
+void check_held_tip(Sanity&);
+/// The finding of a tracker's positions that no motion has.
+/// @param rows     of the file, from 1
+/// @param largest  distance [m]
+DataFinding far_positions(const std::vector<std::uint64_t>& rows, double largest, std::optional<double> time);
+/// A tracker's single positions that are far off: the others become the samples of its columns.
+void check_tip_outliers(Sanity&);
 void check_interpolated(Sanity&);
 void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -205,6 +207,87 @@ void check_tracker(Sanity& s) {
        DataKind::contradictory});
   std::sort(t->columns.rbegin(), t->columns.rend());
   for (const Eigen::Index column : t->columns) drop_column(s.log, column);
+}
+
+namespace {
+
+/// Distance of every row from the median of the rows around it [m].
+Eigen::ArrayXd off_neighbours(const Eigen::MatrixXd& x) {
+  constexpr Eigen::Index side = 5;
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(x.rows());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (Eigen::Index k = 0; k < x.rows(); ++k) {
+      const Eigen::Index first = std::max<Eigen::Index>(0, k - side), end = std::min(x.rows(), k + side + 1);
+      const auto around = x.col(i).segment(first, end - first);
+      squares[k] += std::pow(x(k, i) - median({around.begin(), around.end()}), 2);
+    }
+  return squares.sqrt();
+}
+
+}  // namespace
+
+void check_tip_outliers(Sanity& s) {
+  constexpr Eigen::Index most_rows = 1 << 16, longest = 3;  // beyond which they are no single positions
+  constexpr double factor = 12, rounding = 2,
+                   part = 1.0 / 30;  // of the median distance, of the log's step, of the rows
+  const auto stamps = s.log.find(LogSignal::time);
+  const Eigen::Index n = s.log.values.rows();
+  const std::optional<Eigen::MatrixXd> joints = joints_of(s);
+  std::vector<Eigen::Index> axes;
+  double step = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const auto axis = s.log.find(LogSignal::tip, i)) {
+      const LogColumn& column = s.log.columns[static_cast<std::size_t>(*axis)];
+      if (column.samples) return;
+      axes.push_back(*axis);
+      step = std::max(step, column.step());
+    }
+  if (!stamps || !joints || axes.empty() || n < fewest_rows_of_slope || n > most_rows) return;
+  const Chain chain = as_built(s.model.chain, s.present);
+  Eigen::MatrixXd apart = s.log.values.matrix()(Eigen::all, axes);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Vector3d tip = qerr::tracked_tip(chain, joints->row(k).transpose()).translation();
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      apart(k, static_cast<Eigen::Index>(i)) -=
+          tip[static_cast<Eigen::Index>(s.log.columns[static_cast<std::size_t>(axes[i])].index)];
+  }
+  const Eigen::ArrayXd distance = off_neighbours(apart);
+  const double limit = std::max(factor * median({distance.begin(), distance.end()}), rounding * step);
+  std::vector<Eigen::Index> far;
+  Eigen::Index run = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    run = distance[k] > limit ? run + 1 : 0;
+    if (run > longest) return;
+    if (run > 0) far.push_back(k);
+  }
+  if (far.empty() || static_cast<double>(far.size()) > std::max(part * static_cast<double>(n), 2.0)) return;
+  std::vector<std::uint64_t> numbers;
+  for (const Eigen::Index k : far) numbers.push_back(s.log.row_number(k) + 1);
+  s.data.push_back(far_positions(numbers, distance(far).maxCoeff(), s.log.values(far[0], *stamps)));
+  for (const Eigen::Index axis : axes) {
+    auto kept = std::make_shared<ColumnSamples>();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (std::binary_search(far.begin(), far.end(), k)) continue;
+      kept->time.push_back(s.log.values(k, *stamps));
+      kept->value.push_back(s.log.values(k, axis));
+    }
+    s.log.columns[static_cast<std::size_t>(axis)].samples = std::move(kept);
+  }
+}
+
+DataFinding far_positions(const std::vector<std::uint64_t>& rows, double largest,
+                          std::optional<double> time) {
+  std::string where;
+  for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
+    where += (i > 1 ? ", " : "; also row ") + std::to_string(rows[i]);
+  if (rows.size() > 5) where += ", ...";
+  return {counted(rows.size(), "position") + " of the tip " + (rows.size() == 1 ? "is" : "are") +
+              " far off, by up to " + readable(largest, "m") + where,
+          "tip",
+          rows.front(),
+          time,
+          "these rows are left out here; look for a hidden target, or for reflections",
+          DataKind::corrupt};
 }
 
 }  // namespace qerr::sanity
