@@ -8,7 +8,7 @@ namespace qerr::cli {
 
 namespace {
 
-int run(const Values& v) {
+int run_analyze(const Values& v) {
   ProofRequest proofs = proof_request(v);
   proofs.all = v.given("prove");
   const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
@@ -62,7 +62,7 @@ Command analyze_command() {
                flag("--details", "in the table all statistics, in place of median and maximum")},
               long_work_option(),
               output_options()}),
-      run,
+      run_analyze,
       {{"qerr analyze arm.yaml", "how far off the tip can be, and which encoder to upgrade first"},
        {"qerr analyze arm.yaml --set 'encoders.*.counts_per_rev=8192'",
         "the same with finer encoders, without changing the file"},

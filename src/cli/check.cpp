@@ -93,7 +93,7 @@ Error all_faults(const std::vector<BrokenSpec>& broken) {
   return Error(std::move(faults), broken.front().error.trouble());
 }
 
-int run(const Values& v) {
+int run_check(const Values& v) {
   const auto verdicts = opened(v, "junit");
   const auto out = opened_report(v, {"junit"});
   const bool annotated = v.given("annotations");
@@ -146,7 +146,7 @@ Command check_command() {
       "check",
       "Compare the bounds with the requirements of specs; exit code 1 if one is not met",
       std::move(options),
-      run,
+      run_check,
       {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
        {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
         "in continuous integration, which shows verdicts at their lines"},

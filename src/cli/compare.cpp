@@ -67,7 +67,7 @@ ReportComparison compared(const Side& a, const Side& b, const Values& v) {
   return compare(named_figures(computed(a, false, v)), named_figures(computed(b, true, v)));
 }
 
-int run(const Values& v) {
+int run_compare(const Values& v) {
   refuse_shared_input({v.text("A"), v.text("B")}, "B");
   const Side a(v.text("A")), b(v.text("B"));
   if (b.report && v.given("set"))
@@ -95,7 +95,7 @@ Command compare_command() {
       "compare",
       "Two reports or specs side by side: which figures, shares and requirements changed",
       std::move(options),
-      run,
+      run_compare,
       {{"qerr compare arm.yaml wrist.yaml", "what differs between two designs"},
        {"qerr compare arm.yaml arm.yaml --set 'encoders.*.counts_per_rev=8192'", "what a change would do"},
        {"qerr analyze arm.yaml -o old.json", "today's figures"},

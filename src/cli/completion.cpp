@@ -253,7 +253,7 @@ constexpr Shell shells[] = {{"bash", bash_completion}, {"zsh", zsh_completion}, 
 
 std::vector<std::string> shell_names() { return names_of(shells); }
 
-int run(const Values& v) {
+int run_completion(const Values& v) {
   OutputFile out(v.text("output"));
   for (const Shell& shell : shells)
     if (shell.name == v.text("SHELL")) finish(out, shell.script());
@@ -267,7 +267,7 @@ Command completion_command() {
           "The script that completes qerr's command lines in a shell",
           {valued("SHELL", "", "bash, zsh or fish").one_of(shell_names, "shell").must(),
            text_output_option(".bash .zsh .fish .sh .txt")},
-          run,
+          run_completion,
           {{"source <(qerr completion bash)", "complete in this bash; zsh likewise"},
            {"qerr completion fish | source", "complete in this fish"}}};
 }

@@ -8,7 +8,7 @@ namespace qerr::cli {
 
 namespace {
 
-int run(const Values& v) {
+int run_design(const Values& v) {
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
   if (variants.base().design) refuse_chosen(variants.base(), overrides(v));
@@ -49,7 +49,7 @@ Command design_command() {
             flag("--only-optimum", "neither the prices of requirements nor the front")},
            long_work_option(),
            output_options()}),
-      run,
+      run_design,
       {{"qerr design arm.yaml", "which encoders to buy: what `design:` of the spec permits, at least price"},
        {"qerr design arm.yaml --write-spec chosen.yaml", "and write the spec that `qerr check` passes"},
        {"qerr design arm.yaml --set design.minimize=resolution", "the coarsest encoders that still pass"},

@@ -77,7 +77,7 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
     report.warnings.emplace_back("--plots: no joint moves: no spectrum.csv");
 }
 
-int run(const Values& v) {
+int run_diagnose(const Values& v) {
   require_log_or_plan(v);
   if (v.given("plan")) return run_plan(v);
   std::vector<std::string> inputs = v.texts("LOG");
@@ -164,7 +164,7 @@ Command diagnose_command() {
                       "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py")},
               long_work_option(),
               output_options()}),
-      run,
+      run_diagnose,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
        {"qerr diagnose arm.yaml log.csv --write-model found.yaml",
         "and the spec with the effects found, for analyze and check"},

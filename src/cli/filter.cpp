@@ -88,7 +88,7 @@ Code code(const Values& v) {
   throw usage("--write-code", "unknown language", "'" + words[0] + "'", "use one of " + known);
 }
 
-int run(const Values& v) {
+int run_filter(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec =
       load(v.text("SPEC"), v, {"configurations", "requirements", "threshold", "sweep", "design"},
@@ -148,7 +148,7 @@ Command filter_command() {
                    "rate)")
                 .with("--estimators")},
            output_options()}),
-      run,
+      run_filter,
       {{"qerr filter arm.yaml", "noise, delay and bandwidth of every filter of the spec"},
        {"qerr filter arm.yaml --motion-band 0.5Hz 5Hz",
         "and how well it tracks motion between two frequencies"},

@@ -158,7 +158,7 @@ Page asked_page(const std::vector<std::string>& words) {
   throw Error({"qerr help"}, "", "no page has this word", qerr::quoted(asked), remedy, Trouble::usage);
 }
 
-int run(const Values& v) {
+int run_help(const Values& v) {
   if (v.given("man")) write_pages(v, "man", man_place, to_man);
   if (v.given("html")) write_pages(v, "html", html_place, to_html);
   if (v.given("man") || v.given("html")) return 0;
@@ -180,7 +180,7 @@ Command help_command() {
             .choice = "command or topic"},
            valued("--man", "FOLDER", "write all pages as man pages there; man -M FOLDER shows them"),
            valued("--html", "FOLDER", "write all pages there as a static site: index.html")},
-          run,
+          run_help,
           {{"qerr help", "the commands and the topics"},
            {"qerr help encoders", "how to specify an encoder, with the words of its data sheet"},
            {"qerr help figures", "what the figures of a report mean, and on what they depend"},

@@ -10,7 +10,7 @@ std::vector<std::string> kinds() { return list_kinds(); }
 
 std::vector<std::string> names_in(const std::string& kind) { return names_of(list_report(kind).rows); }
 
-int run(const Values& v) {
+int run_list(const Values& v) {
   OutputFile out(v.text("output"));
   ListReport report = list_report(v.text("KIND"));
   if (v.given("NAME"))
@@ -34,7 +34,7 @@ Command list_command() {
                     .choice = "name",
                     .choices_behind = names_in}},
                   output_options_without_page()}),
-          run,
+          run_list,
           {{"qerr list effects", "every deviation of a real robot from the ideal model, with its parameters"},
            {"qerr list filters kalman", "one filter, with its parameters, units, ranges and defaults"},
            {"qerr list quantities", "the figures that requirements may limit"},

@@ -103,7 +103,7 @@ RobotReport report_of_spec(const std::string& text, const std::string& path, con
   return report;
 }
 
-int run(const Values& v) {
+int run_robot(const Values& v) {
   check_streams(v);
   const std::string& path = v.text("URDF");
   const std::string text = urdf_text(path);
@@ -137,7 +137,7 @@ Command robot_command() {
                valued("--write-spec", "FILE",
                       "write a commented spec that can be analyzed as it is; '-' is standard output")},
               output_options_without_page()}),
-      run,
+      run_robot,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
        {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},
        {"qerr robot arm.yaml --at j1=30deg,j2=pi/2",

@@ -7,7 +7,7 @@ namespace {
 
 std::vector<std::string> reports() { return output_schema_names(); }
 
-int run(const Values& v) {
+int run_schema(const Values& v) {
   OutputFile out(v.text("output"));
   finish(out, v.given("output-of") ? output_schema(v.text("output-of")) : json_schema());
   return 0;
@@ -21,7 +21,7 @@ Command schema_command() {
           {valued("--output-of", "REPORT", "of the JSON that this command writes; plan is diagnose --plan")
                .one_of(reports, "report"),
            text_output_option(".json .txt")},
-          run,
+          run_schema,
           {{"qerr schema -o qerr.schema.json", "of the spec, for an editor that completes and checks it"},
            {"qerr schema --output-of analyze", "of the report of analyze (draft 2020-12)"}},
           {"spec", "output"}};

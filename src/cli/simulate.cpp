@@ -96,7 +96,7 @@ std::vector<ReportText> runs_to_compare(bool estimators) {
           }};
 }
 
-int run(const Values& v) {
+int run_simulate(const Values& v) {
   const bool estimators = v.given("estimators");
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
@@ -163,7 +163,7 @@ Command simulate_command() {
                     "random sub-count phase of each encoder at its joint's zero, for a single run, too")},
               long_work_option(),
               output_options()}),
-      run,
+      run_simulate,
       {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},
        {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
        {"qerr simulate arm.yaml --cutoffs velocity=5Hz..200Hz",

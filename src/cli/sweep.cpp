@@ -359,7 +359,7 @@ void require_requirements(const SweepGrid& grid, const Spec& spec, const Values&
               "add requirements (qerr help requirements), or leave out --check");
 }
 
-int run(const Values& v) {
+int run_sweep(const Values& v) {
   const std::string format = format_of_sweep(v);
   const Shard shard = chosen_shard(v);
   const std::string& path = v.text("SPEC");
@@ -423,7 +423,7 @@ Command sweep_command() {
                  "end with 1 if a variant does not meet its requirements, with 3 if one cannot be computed")},
            long_work_option(),
            output_options()}),
-      run,
+      run_sweep,
       {{"qerr sweep arm.yaml", "every variant of the grid, one line each"},
        {"qerr sweep arm.yaml -o sweep.csv", "every figure of every variant, one a row"},
        {"qerr sweep arm.yaml -o sweep.csv --resume", "go on after an interruption"},

@@ -8,7 +8,7 @@ namespace qerr::cli {
 
 namespace {
 
-int run(const Values& v) {
+int run_threshold(const Values& v) {
   refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {
@@ -39,7 +39,7 @@ Command threshold_command() {
   return {"threshold",
           "Resolution and threshold velocity, one row per robot (Table IV)",
           std::move(options),
-          run,
+          run_threshold,
           {{"qerr threshold arm.yaml wrist.yaml",
             "at which speed of the tip one sample holds one count, one row per robot"}},
           {"figures"}};

@@ -288,7 +288,7 @@ def check_without_pictures(t, qerr, folder):
 
 def check_speed(t, qerr, folder):
     """A page of a long record is small, and takes little longer than JSON."""
-    spec, joint = axis(folder, "axis", "200 s")
+    spec, joint = axis(folder, "axis", "60 s")
     log = simulated(t, qerr, spec, folder / "long.csv", FAULTS.format(name="axis"))
     runs = {form: [run(qerr, "diagnose", spec, log, "--format", form, "--quiet") for _ in range(2)] for form in ("json", "html")}
     seconds = {form: min(ran.seconds for ran in both) for form, both in runs.items()}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Faults of the system, injected one by one, and signals: every output is then the old one or a whole new one.
 
-    check_faults.py --qerr build/qerr --preload build/tests/libqerr_faults.so [--memory 40] [--kills 60] [--verbose]
+    check_faults.py --qerr build/qerr --preload build/tests/libqerr_faults.so [--calls 60] [--memory 40] [--kills 60] [--verbose]
 """
 import argparse
 import os
@@ -104,10 +104,12 @@ class Bench:
         return (f"torn: {torn} " if torn else "") + (f"left: {left}" if left else "")
 
 
-def check_calls(t, bench, command, outputs, whole, counts):
+def check_calls(t, bench, command, outputs, whole, counts, every):
     for call in CALLS:
-        faults = [f"{call}:{n}" for n in range(1, counts[call] + 1)] if counts[call] < 60 else \
-                 [f"{call}:{n}" for n in (1, 2, 3, counts[call] // 2, counts[call])]
+        last = counts[call]
+        # The first calls read inputs, the last ones write outputs.
+        at = range(1, last + 1) if last < every else sorted({1, 2, 3, last // 2, *range(last - 3, last + 1)})
+        faults = [f"{call}:{n}" for n in at]
         for fault in [*faults, f"{call}:1+", f"{call}:2+:28"]:
             ran = bench.run(command, outputs, FAULT=fault)
             problem = bench.problem(command, outputs, whole)
@@ -184,6 +186,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--preload", required=True, help="the library of tests/faults/preload.c")
+    parser.add_argument("--calls", type=int, default=60, help="a system call that a command makes less often fails at each of its places")
     parser.add_argument("--memory", type=int, default=12, help="allocations that fail, for each command")
     parser.add_argument("--kills", type=int, default=6, help="kill -9 at random moments, for each command")
     parser.add_argument("--seed", type=int, default=1)
@@ -204,7 +207,7 @@ def main():
             if not t.check(f"{command[0]} without a fault", written, ran.stderr.decode()[:300]):
                 continue
             counts = {name: int(count) for name, count in (line.split() for line in counted.read_text().splitlines())}
-            check_calls(t, bench, command, outputs, whole, counts)
+            check_calls(t, bench, command, outputs, whole, counts, arguments.calls)
             check_memory(t, bench, command, outputs, whole, counts["malloc"], arguments.memory, draw)
             if "--threads" in command:
                 warned += check_threads(t, bench, command, outputs, whole)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every command that writes, under valgrind: no read or write outside what is allocated, none of what was never set.
+"""Commands that compute, under valgrind: no read or write outside what is allocated, none of what was never set.
 
     check_memory.py --qerr build/qerr [--verbose]
 
@@ -16,6 +16,7 @@ from check_faults import Bench, commands
 from tool import program_and_tally
 
 FOUND = 99  # exit code of a run with errors
+OF_OTHERS = ("check", "threshold", "schema")  # compute what analyze and filter compute, or nothing
 
 
 def main():
@@ -30,6 +31,8 @@ def main():
         log.write_text("".join(log.read_text().splitlines(keepends=True)[:300]))
         spec.write_text(spec.read_text().replace("count: 3000", "count: 200").replace("duration: 0.5 s", "duration: 0.1 s"))
         for command, outputs in commands():
+            if command[0] in OF_OTHERS:
+                continue
             words = bench.words(command, outputs)
             ran = subprocess.run([valgrind, "--quiet", f"--error-exitcode={FOUND}", *words], cwd=bench.folder, capture_output=True, timeout=300)
             t.check(f"valgrind {' '.join(command)}", ran.returncode == 0, f"exit {ran.returncode}: {ran.stderr.decode()[:2000]}")

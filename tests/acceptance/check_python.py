@@ -206,7 +206,7 @@ def check_interrupt(t, q):
 
 def check_memory(t, q, calls):
     few, spec = {"configurations.count": 10}, CONFIGS / "puma560" / "spec.yaml"
-    for _ in range(50):
+    for _ in range(20):
         q.analyze(spec, set=few, quiet=True)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for i in range(calls):
@@ -225,7 +225,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--package", required=True)
-    parser.add_argument("--calls", type=int, default=200)
+    parser.add_argument("--calls", type=int, default=80)
     arguments = parser.parse_args()
     if not list(pathlib.Path(arguments.package).glob("qerr/_qerr*.so")):
         print("skipped: the module is not built (-DQERR_PYTHON=ON)")

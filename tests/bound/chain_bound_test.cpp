@@ -143,7 +143,7 @@ TEST(ChainBound, HoldsWithoutLeversAndWithoutTurns) {
 
 TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
   Dice dice(21);
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 4; ++i) {
     SCOPED_TRACE(i);
     OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3 + dice.below(2), 0.25, 0}));
     m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-3, false);
@@ -220,7 +220,7 @@ TEST(ChainBound, IsReachedByCouplingsOfNeighbours) {
 /// up, some figure would come out too small.
 TEST(ChainBound, IsNeverBelowASearchOnTheCoarsestGrids) {
   Dice dice(25);
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 6; ++i) {
     SCOPED_TRACE(i);
     OperationalModel m = model_of(testing::random_robot(dice, ChainMix{1 + dice.below(4), 0.2, 0}));
     m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-4, i % 3 == 0);

@@ -45,7 +45,7 @@ struct Drive {
 
 /// Neither an eccentricity for the weight, nor a play for the friction.
 TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
-  for (unsigned seed = 1; seed <= 10; ++seed) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
     Drive drive(600 + seed);
     const double compliance = drive.machine.between(4, 15) * drive.machine.resolution / drive.weight;
     const Diagnosis d = drive.diagnosed(compliance);
@@ -60,7 +60,7 @@ TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
 }
 
 TEST(DriveTorque, OfAStiffGearIsNoFault) {
-  for (unsigned seed = 1; seed <= 10; ++seed)
+  for (unsigned seed = 1; seed <= 5; ++seed)
     EXPECT_EQ(Drive(650 + seed).diagnosed(0).verdict, Verdict::nothing_wrong) << seed;
 }
 

@@ -30,7 +30,7 @@ bool has_one_cause(const Diagnosis& d, const char* type, int order) {
 }
 
 TEST(ShortArc, OfThreeTenthsOfAPeriodTellsAnOrderAboveOne) {
-  constexpr int records = 24;
+  constexpr int records = 12;
   int right = 0;
   for (unsigned seed = 1; seed <= records; ++seed) {
     const int order = 2 + static_cast<int>(seed) % 3;
@@ -42,7 +42,7 @@ TEST(ShortArc, OfThreeTenthsOfAPeriodTellsAnOrderAboveOne) {
 }
 
 TEST(ShortArc, OfLessThanAQuarterTurnIsOfOneOrderOrAHigherOne) {
-  constexpr int records = 12;
+  constexpr int records = 6;
   int right = 0;
   for (unsigned seed = 101; seed <= 100 + records; ++seed) {
     Machine m(seed);

@@ -5,7 +5,7 @@
     yaml            what the paragraph above says: "save ... as `FILE`", "append to `FILE`", "an excerpt of `FILE`"
     python          run in the root
     gnuplot         the same, where gnuplot is installed
-    cpp             a file of tests/documentation, which the build compiles
+    cpp             a file of tests/documentation, which acceptance.package compiles and runs
     text, cmake     not run: their figures are checked like those of the text
 
 Excepted are, by the rules below, commands that install packages or build, and workflows of GitHub, GitLab and pre-commit.

@@ -69,7 +69,7 @@ TEST(Simulate, AgreesWithTheTheoryOnRandomRobots) {
 
 TEST(Simulate, NeverExceedsTheWorstCaseAlongThePath) {
   Dice dice(12);
-  for (int robot = 0; robot < 60; ++robot) {
+  for (int robot = 0; robot < 28; ++robot) {
     Experiment e = random_experiment(dice, 1 + static_cast<std::size_t>(robot) % 7, 0.01);
     e.motion.duration = 0.3;
     e.motion.settling = 0;  // the transient too
