@@ -32,7 +32,7 @@ test_packages=(
   python3-mpmath        # reference for the figures of filters
   python3-jsonschema    # reports against their schemas
   zsh fish groff-base   # completions and man pages
-  valgrind              # each command under it
+  valgrind              # commands that compute, under it
   tidy                  # validates HTML pages (with chromium, if it is there, tests also show them)
   jq python3-pandas     # README.md and the help use them
   python3-yaml          # recipes of continuous integration
