@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
@@ -18,6 +19,11 @@ struct SlowReference {
     time = m.between(0.1, 0.9) / rate + Column::LinSpaced(count, 0, static_cast<double>(count - 1)) / rate;
     samples = m.along(time);
     for (double& x : samples) x += noise * m.normal();
+  }
+
+  std::shared_ptr<const ColumnSamples> all() const {
+    return std::make_shared<ColumnSamples>(
+        ColumnSamples{{time.begin(), time.end()}, {samples.begin(), samples.end()}});
   }
 
   /// Lagrange's polynomial through some samples about each instant.
@@ -70,13 +76,27 @@ TEST(TwoRates, ACleanMachineStaysClean) {
     const double rate = m.between(80, 300), noise = m.between(0.1, 0.25) * m.resolution;
     const SlowReference reference(m, rate, noise);
     Log log = log_at(m, m.counted(m.path), reference, 4);
-    log.columns[2].samples =
-        std::make_shared<std::vector<double>>(reference.time.begin(), reference.time.end());
+    log.columns[2].samples = reference.all();
     const Diagnosis d = diagnose(model_of(m), {}, {}, log);
     EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed << ' ' << rate;
     ASSERT_FALSE(d.data.empty()) << seed;
     EXPECT_NE(d.data[0].what.find("the reference is interpolated between"), std::string::npos)
         << d.data[0].what;
+  }
+}
+
+/// Of two files at nearly one rate all rows are judged: interpolation takes a part of the reference's noise,
+/// and what it leaves is not white.
+TEST(TwoRates, TheNoiseOfAReferenceIsThatOfItsSamples) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(500 + seed);
+    set_pace(m);
+    const double rate = m.between(800, 980), noise = m.between(0.2, 0.35) * m.resolution;
+    const SlowReference reference(m, rate, noise);
+    Log log = log_at(m, m.counted(m.path), reference, 4);
+    log.columns[2].samples = reference.all();
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log);
+    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed << ' ' << rate;
   }
 }
 

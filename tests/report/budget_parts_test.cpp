@@ -56,5 +56,25 @@ TEST(BudgetParts, OfAnIdealModelAreAllQuantization) {
   }
 }
 
+/// What finer counts lower the variance by is the share of the resolution, with effects that follow a motion,
+/// too.
+TEST(BudgetParts, OfQuantizationAreWhatFinerCountsTakeOffAlongAMotion) {
+  const auto with = [](const std::string& resolution) {
+    return analysis("kuka_lwr/spec.yaml",
+                    {{"encoders", "{'*': {resolution: " + resolution + "}}"},
+                     {"effects", "[{type: eccentricity, joint: a2, amplitude: 100 urad, shaft: joint}]"},
+                     {"motion",
+                      "{sample_rate: 100 Hz, duration: 4 s, joints: {a2: {sines: [{amplitude: 1 rad, "
+                      "frequency: 0.5 Hz}]}, a4: {sines: [{amplitude: 1 rad, frequency: 0.7 Hz}]}}}"}});
+  };
+  const Analysis coarse = with("100 urad"), fine = with("1 nrad");
+  double share = 0, effects = 0;
+  for (const BudgetParts& p : budget_parts(coarse)) share += p.quantization, effects += p.effects;
+  const double before = coarse.workspace.mean_covariance.topLeftCorner<3, 3>().trace(),
+               after = fine.workspace.mean_covariance.topLeftCorner<3, 3>().trace();
+  EXPECT_NEAR(share, 1 - after / before, 0.05);  // the effect's variance is that of one pose at the tip
+  EXPECT_GT(effects, 0.1);
+}
+
 }  // namespace
 }  // namespace qerr

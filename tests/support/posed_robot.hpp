@@ -29,6 +29,7 @@ struct PosedRobot {
       evidence.to_joints.row(0).setZero();
       evidence.joint_noise[0] = 2e-5;
     }
+    evidence.delayed = evidence.to_joints;
     const Eigen::MatrixXd read = model.transmission.coupling.inverse() * evidence.joints;
     for (Eigen::Index i = 0; i < n; ++i) {
       Evidence e;

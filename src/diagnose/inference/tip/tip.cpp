@@ -178,25 +178,14 @@ bool outweighs(const Unidentified& left, const Gain& gain) {
   return 0.5 * left.amplitude * left.amplitude > explained(gain);
 }
 
-/// Whether causes displace the tip by many times what they explain together: no machine has faults that
-/// cancel so well.
+/// Whether errors in time displace the tip by many times what all causes explain together: no machine has
+/// faults that cancel so well. Dimensions that a record does not tell apart may.
 bool cancel(const TipModel& m, double without) {
-  constexpr double times = 20;
-  const auto rms_of = [&](const Eigen::VectorXd& x) { return rms(x.array()); };
+  constexpr double times = 20;  // convention
   for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if (rms_of(m.columns(i) * m.coefficients(i)) > times * without) return true;
-  if (m.frames().target &&
-      rms_of(m.columns({TipTerm::Kind::tool, {}, 0}) * m.estimate().tool) > times * without)
-    return true;
-  if (!m.frames().base) return false;
-  const Eigen::Isometry3d base = m.estimate().base * m.nominal().tracker.inverse();
-  double squares = 0;
-  for (const auto& tip : m.evidence().tip.colwise()) {
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
-    at(m.evidence().axes) = tip;
-    squares += (base * at - at).squaredNorm();
-  }
-  return std::sqrt(squares / static_cast<double>(m.evidence().tip.size())) > times * without;
+    if (!m.terms()[i].kinematic() && rms((m.columns(i) * m.coefficients(i)).array()) > times * without)
+      return true;
+  return false;
 }
 
 /// Whether what remains beside causes may be theirs: the fit is linear in the encoders' errors, and leaves up
@@ -465,10 +454,13 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     find_unseen(model, *e, d);
     return d;
   }
-  if (!improves(s.model, d.gain) || cancel(s.model, without) ||
-      (!left.empty() && outweighs(left.front(), d.gain))) {
+  const bool absurd = cancel(s.model, without);
+  if (!improves(s.model, d.gain) || absurd || (!left.empty() && outweighs(left.front(), d.gain))) {
     d.gain = gain_of(alone, alone);
     d.unexplained = tip_remainder(alone, alone.in_base(alone.solution().residual));
+    if (absurd && d.unexplained.empty())
+      d.unexplained.push_back(
+          {"tip", "only errors that cancel bring the model near the tip", {}, {}, without});
     judge_by_repeats(alone, d);
     find_unseen(model, *e, d);
     return d;

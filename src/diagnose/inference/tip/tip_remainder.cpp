@@ -179,11 +179,11 @@ std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd
 
 std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipModel& causes) {
   const TipEvidence& e = alone.evidence();
-  constexpr Eigen::Index knots = 9;
+  const Eigen::Index knots = std::clamp<Eigen::Index>(e.rows() / 16, 2, 9);
   constexpr double most_of_it = 0.5;  // of the variance
-  if (!e.ordered || e.rows() < 16 * knots || causes.frames().size() + causes.size() == 0) return {};
+  if (e.rows() < fewest_rows_in_time || causes.frames().size() + causes.size() == 0) return {};
   const Eigen::MatrixXd left = alone.in_base(alone.solution().residual);
-  const Eigen::ArrayXd place = time_of(e) * ((knots - 1) / time_of(e).maxCoeff());
+  const Eigen::ArrayXd place = time_of(e) * (static_cast<double>(knots - 1) / time_of(e).maxCoeff());
   Eigen::MatrixXd hats(e.rows(), knots);
   for (Eigen::Index i = 0; i < knots; ++i)
     hats.col(i) = (1 - (place - static_cast<double>(i)).abs()).cwiseMax(0).matrix();
@@ -199,7 +199,7 @@ std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipMode
   if (rest > (1 - most_of_it) * whole || !(gained > price)) return {};
   const Eigen::MatrixXd about = wander.rowwise() - wander.colwise().mean();
   Unidentified u{"tip",
-                 "changes slowly in time",
+                 e.ordered ? "changes slowly in time" : "changes from pose to pose in their order, slowly",
                  {},
                  {},
                  std::sqrt(2 * about.squaredNorm() / static_cast<double>(left.rows()))};

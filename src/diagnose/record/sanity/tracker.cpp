@@ -211,9 +211,10 @@ void check_tracker(Sanity& s) {
 
 namespace {
 
+constexpr Eigen::Index side = 5;  ///< rows
+
 /// Distance of every row from the median of the rows around it [m].
 Eigen::ArrayXd off_neighbours(const Eigen::MatrixXd& x) {
-  constexpr Eigen::Index side = 5;
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(x.rows());
   for (Eigen::Index i = 0; i < x.cols(); ++i)
     for (Eigen::Index k = 0; k < x.rows(); ++k) {
@@ -255,7 +256,7 @@ void check_tip_outliers(Sanity& s) {
   const double limit = std::max(factor * median({distance.begin(), distance.end()}), rounding * step);
   std::vector<Eigen::Index> far;
   Eigen::Index run = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
+  for (Eigen::Index k = side; k < n - side; ++k) {  // at the ends all neighbours are on one side
     run = distance[k] > limit ? run + 1 : 0;
     if (run > longest) return;
     if (run > 0) far.push_back(k);
