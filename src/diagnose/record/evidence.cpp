@@ -24,6 +24,13 @@ Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index enc
 
 }  // namespace
 
+double resolution_of(const Log& log, Eigen::Index column) {
+  const auto seen = log.values.col(column);
+  return seen.size() > 0 && seen.maxCoeff() > seen.minCoeff()
+             ? log.columns[static_cast<std::size_t>(column)].step()
+             : 0;
+}
+
 bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
   return (joint_weights(model, encoder).array().abs() > negligible_weight).count() == 1;
 }
@@ -38,7 +45,7 @@ EncoderReference encoder_reference(const OperationalModel& model, const Log& log
     if (!column) return {};
     const LogColumn& head = log.columns[static_cast<std::size_t>(*column)];
     r.position += weights[j] * log.values.col(*column);
-    r.log_resolution = std::max(r.log_resolution, std::abs(weights[j]) * head.step());
+    r.log_resolution = std::max(r.log_resolution, std::abs(weights[j]) * resolution_of(log, *column));
     if (stamps && head.samples)
       r.noise = std::hypot(r.noise, weights[j] * noise_between(head, log.values.col(*stamps)));
   }

@@ -14,6 +14,9 @@ namespace qerr {
 // The columns of a log are joint coordinates; with a coupling the coordinate of an encoder is a combination
 // of several joints.
 
+/// Log resolution of a column; 0 if it never changes: "0" may be any value that rounds to it.
+double resolution_of(const Log&, Eigen::Index column);
+
 /// Whether the encoder's coordinate depends on its own joint only.
 bool depends_on_one_joint(const OperationalModel&, Eigen::Index encoder);
 

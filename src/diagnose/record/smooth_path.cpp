@@ -276,7 +276,7 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
 }
 
 double noise_between(const LogColumn& column, const Eigen::ArrayXd& time) {
-  if (!column.samples) return 0;
+  if (!column.samples || column.samples->time.empty() || time.size() == 0) return 0;
   const std::vector<double>& stamps = column.samples->time;
   double squares = 0;
   std::size_t next = 0;

@@ -205,11 +205,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     if (const auto column = log.find(LogSignal::tip, i)) {
       e.axes.push_back(static_cast<Eigen::Index>(i));
       columns.push_back(*column);
-      // A coordinate that never changes, as one of a planar arm, is written "0": its resolution
-      // is unknown.
-      const auto seen = log.values.col(*column);
-      if (seen.maxCoeff() > seen.minCoeff())
-        e.log_resolution = std::max(e.log_resolution, log.columns[static_cast<std::size_t>(*column)].step());
+      e.log_resolution = std::max(e.log_resolution, resolution_of(log, *column));
     }
   const auto count = static_cast<Eigen::Index>(model.chain.independent.size());
   const Eigen::Index rows = log.values.rows();
@@ -227,7 +223,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     const auto reference = log.find(LogSignal::reference, joint);
     if (!measured && !reference) return std::nullopt;
     if (reference) {
-      const double grid = log.columns[static_cast<std::size_t>(*reference)].step();
+      const double grid = resolution_of(log, *reference);
       e.joints.row(j) = log.values.col(*reference).matrix().transpose();
       e.joint_noise[j] =
           e.ordered ? noise_of_path(time, log.values.col(*reference), grid) : grid / std::sqrt(12.0);

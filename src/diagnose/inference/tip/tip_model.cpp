@@ -383,6 +383,11 @@ void TipModel::refit() {
 }
 
 void TipModel::fit() {
+  // Columns along the readings become those along the corrected path by the first linearization: the second
+  // one sees it.
+  const bool follows_path = std::any_of(terms_.begin(), terms_.end(), [](const TipTerm& t) {
+    return t.kind == TipTerm::Kind::encoder && !t.term.constant && !t.term.step;
+  });
   for (int i = 0; i < 20; ++i) {
     update_estimate();
     linearize();
@@ -395,7 +400,8 @@ void TipModel::fit() {
     steps.tail(theta_.size()) = step;
     if (all.cols() > 0) moved = (all * steps).norm() / std::sqrt(static_cast<double>(y_.size()));
     move_frames();
-    if (moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2))) break;
+    if ((i > 0 || !follows_path) && moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2)))
+      break;
   }
   projection_ = std::make_shared<const Projection>(projection({}));
 }

@@ -241,7 +241,7 @@ void check_tip_outliers(Sanity& s) {
       const LogColumn& column = s.log.columns[static_cast<std::size_t>(*axis)];
       if (column.samples) return;
       axes.push_back(*axis);
-      step = std::max(step, column.step());
+      step = std::max(step, resolution_of(s.log, *axis));
     }
   if (!stamps || !joints || axes.empty() || n < fewest_rows_of_slope || n > most_rows) return;
   const Chain chain = as_built(s.model.chain, s.present);
