@@ -261,7 +261,8 @@ double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const
   if (next == time.begin() || next == time.end()) {
     const double beyond = instant - time[k];
     const double back = std::clamp(time[k] - beyond, time[0], time[time.size() - 1]);
-    if (back == time[k]) return path[k] + velocity[k] * beyond;
+    if (!(std::abs(back - time[k]) > 0))
+      return path[k] + velocity[k] * beyond;  // also of an instant that is no number
     const double slope = (path[k] - position_at(time, path, velocity, back)) / (time[k] - back);
     return path[k] + (2 * velocity[k] - slope) * beyond;
   }

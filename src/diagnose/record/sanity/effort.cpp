@@ -420,7 +420,10 @@ void add_loads(Sanity& s) {
     return std::any_of(s.log.columns.begin(), s.log.columns.end(),
                        [&](const LogColumn& c) { return c.signal == signal; });
   };
-  if (!is(LogSignal::tip) && !is(LogSignal::reference)) return;
+  constexpr Eigen::Index most_rows =
+      1 << 18;  // of paths beside references, which would double the memory of longer records
+  const bool referenced = is(LogSignal::reference);
+  if (referenced ? s.log.values.rows() > most_rows : !is(LogSignal::tip)) return;
   const bool ordered = s.log.has_time();
   JointPaths paths = ordered ? joint_paths(s) : paths_of_readings(s);
   if (std::any_of(paths.begin(), paths.end(), [](const auto& p) { return !p; })) paths = paths_of_readings(s);

@@ -242,6 +242,19 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> held_rows(const Log& log,
 
 }  // namespace
 
+void leave_out(Log& log, const std::vector<Eigen::Index>& columns, const std::vector<Eigen::Index>& rows) {
+  const auto time = log.values.col(*log.find(LogSignal::time));
+  for (const Eigen::Index column : columns) {
+    auto kept = std::make_shared<ColumnSamples>();
+    for (Eigen::Index k = 0; k < time.size(); ++k) {
+      if (std::binary_search(rows.begin(), rows.end(), k)) continue;
+      kept->time.push_back(time[k]);
+      kept->value.push_back(log.values(k, column));
+    }
+    log.columns[static_cast<std::size_t>(column)].samples = std::move(kept);
+  }
+}
+
 void check_held_tip(Sanity& s) {
   const auto stamps = s.log.find(LogSignal::time);
   std::vector<Eigen::Index> axes;
@@ -271,17 +284,10 @@ void check_held_tip(Sanity& s) {
        regular ? "log at the rate of the tracker, or stamp its values when they are taken"
                : "look whether the tracker lost its target",
        DataKind::repeated});
-  for (const Eigen::Index axis : axes) {
-    auto fresh = std::make_shared<ColumnSamples>();
-    auto next = held.begin();
-    for (Eigen::Index k = 0; k < time.size(); ++k) {
-      if (next != held.end() && k >= next->second) ++next;
-      if (next != held.end() && k >= next->first) continue;
-      fresh->time.push_back(time[k]);
-      fresh->value.push_back(s.log.values(k, axis));
-    }
-    s.log.columns[static_cast<std::size_t>(axis)].samples = std::move(fresh);
-  }
+  std::vector<Eigen::Index> repeated;
+  for (const auto& [from, end] : held)
+    for (Eigen::Index k = from; k < end; ++k) repeated.push_back(k);
+  leave_out(s.log, axes, repeated);
 }
 
 /// References that are interpolated, by whoever made the table or as its files are joined: they have more

@@ -80,6 +80,9 @@ void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
 void check_held_cells(Sanity&);
 void check_held_sensors(Sanity&);
+/// Makes the values of columns in all rows but some the samples of these columns.
+/// @param rows  that are left out, ascending
+void leave_out(Log&, const std::vector<Eigen::Index>& columns, const std::vector<Eigen::Index>& rows);
 /// A tracker's repeated values: its fresh ones become the samples of its columns.
 void check_held_tip(Sanity&);
 /// The finding of a tracker's positions that no motion has.

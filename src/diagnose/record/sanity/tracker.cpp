@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -233,7 +232,6 @@ void check_tip_outliers(Sanity& s) {
                    part = 1.0 / 30;  // of the median distance, of the log's step, of the rows
   const auto stamps = s.log.find(LogSignal::time);
   const Eigen::Index n = s.log.values.rows();
-  const std::optional<Eigen::MatrixXd> joints = joints_of(s);
   std::vector<Eigen::Index> axes;
   double step = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -243,7 +241,9 @@ void check_tip_outliers(Sanity& s) {
       axes.push_back(*axis);
       step = std::max(step, resolution_of(s.log, *axis));
     }
-  if (!stamps || !joints || axes.empty() || n < fewest_rows_of_slope || n > most_rows) return;
+  if (!stamps || axes.empty() || n < fewest_rows_of_slope || n > most_rows) return;
+  const std::optional<Eigen::MatrixXd> joints = joints_of(s);
+  if (!joints) return;
   const Chain chain = as_built(s.model.chain, s.present);
   Eigen::MatrixXd apart = s.log.values.matrix()(Eigen::all, axes);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -265,15 +265,7 @@ void check_tip_outliers(Sanity& s) {
   std::vector<std::uint64_t> numbers;
   for (const Eigen::Index k : far) numbers.push_back(s.log.row_number(k) + 1);
   s.data.push_back(far_positions(numbers, distance(far).maxCoeff(), s.log.values(far[0], *stamps)));
-  for (const Eigen::Index axis : axes) {
-    auto kept = std::make_shared<ColumnSamples>();
-    for (Eigen::Index k = 0; k < n; ++k) {
-      if (std::binary_search(far.begin(), far.end(), k)) continue;
-      kept->time.push_back(s.log.values(k, *stamps));
-      kept->value.push_back(s.log.values(k, axis));
-    }
-    s.log.columns[static_cast<std::size_t>(axis)].samples = std::move(kept);
-  }
+  leave_out(s.log, axes, far);
 }
 
 DataFinding far_positions(const std::vector<std::uint64_t>& rows, double largest,
