@@ -82,7 +82,7 @@ def check_sag(t, qerr, rng, folder, case):
 
 
 def check_tracker(t, qerr, rng, folder, case):
-    """A tracker that repeats its samples, or is late, beside joints with references, or whose mount gives way; the arm has no fault."""
+    """A tracker that repeats its samples, or is late, beside joints with references, or whose mount gives way or is knocked, without a fault of the arm and beside one."""
     a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(17, 19))
     (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))
     (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
@@ -134,6 +134,15 @@ def check_tracker(t, qerr, rng, folder, case):
     d, said = diagnosed(tip(time) + white + yields)
     t.check(f"{case}: a mount that gives way is no fault of the arm", not d["causes"] and
             [u["joint"] for u in d["unexplained"]] == ["tip"], said)
+    knock = np.outer(rng.uniform(0.5, 1, 2), 30 * noise * (time > rng.uniform(5, 12)))
+    scale = rng.uniform(0.01, 0.03)
+    for name, moved in (("gives way", yields), ("is knocked", knock)):
+        q = angles(time)
+        x, y = (a * f(q[0]) + b * f(q[0] + q[1] * (1 - scale)) for f in (np.cos, np.sin))
+        d, said = diagnosed(np.array([x, y]) + white + moved)
+        found = [p["value"] for c in d["causes"] for p in c["parameters"] if (c["effect"], c["joint"], p["name"]) == ("scale", "q2", "scale")]
+        t.check(f"{case}: what {name} hides no scale of {scale:.4f}", len(d["causes"]) == 1 and len(found) == 1 and
+                abs((1 + found[0]) * (1 - scale) - 1) < 0.02 * scale and [u["joint"] for u in d["unexplained"]] == ["tip"], f"{said} {found}")
 
 
 def main():

@@ -185,7 +185,15 @@ Eigen::MatrixXd difference_at_tip(const PosedRobot& r, const TipTerm& t, Eigen::
       built.tool += c;
       break;
     case TipTerm::Kind::late:
-      break;                      // of records in time, which these are not
+      break;  // of records in time, which these are not
+    case TipTerm::Kind::tracker:
+    case TipTerm::Kind::target: {  // what is tracked is displaced from the model's tip
+      Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+      for (Eigen::Index i = 0; i < t.term.size(); ++i)
+        moved += t.term.columns(row, i) * t.directions * c.segment(i * 3, 3);
+      const Eigen::Matrix3d axes = r.estimate.pose(r.evidence, row).tool;
+      return t.kind == TipTerm::Kind::target ? Eigen::Vector3d(-axes * moved) : Eigen::Vector3d(-moved);
+    }
     case TipTerm::Kind::encoder:  // the joint is where the reading less its error says
       built.additions(place, row) += (t.term.columns.row(row).matrix() * c).value();
   }
@@ -200,6 +208,12 @@ TEST(TipTerm, HasTheDerivativesOfTheForwardKinematicsAsColumns) {
     for (TipTerm& t : tip_terms(r.evidence, r.estimate)) terms.push_back(std::move(t));
     terms.push_back({TipTerm::Kind::base, {}, 0});
     terms.push_back({TipTerm::Kind::tool, {}, 0});
+    for (const TipTerm::Kind kind : {TipTerm::Kind::tracker, TipTerm::Kind::target}) {
+      TipTerm t{kind, {}, 0};
+      t.term.columns = Eigen::ArrayXXd::Random(r.evidence.rows(), 2);
+      t.directions.setIdentity(3, 3);
+      terms.push_back(std::move(t));
+    }
     for (const TipTerm& t : terms)
       for (Eigen::Index k = 0; k < r.evidence.rows(); ++k) {
         const TipPose pose = r.estimate.pose(r.evidence, k);

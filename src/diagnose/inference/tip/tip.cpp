@@ -44,47 +44,45 @@ std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& 
   return found;
 }
 
-/// Residuals of contiguous blocks under models fitted to the other blocks: without and with the causes. Both
-/// models include the nuisance terms.
-struct HeldOutEntries {
-  Eigen::VectorXd before, after;
-};
-
-HeldOutEntries held_out(const TipModel& m, Eigen::Index coordinates) {
-  HeldOutEntries h{m.entries(), m.entries()};
-  const Eigen::MatrixXd all = m.all_columns(), free = all.leftCols(m.nuisance());
+/// Residuals of contiguous blocks under a model, with its nuisance terms, that was fitted to the other
+/// blocks.
+/// @param tracker  whether displacements of the tracker are subtracted: no model of the machine has them
+Eigen::VectorXd held_out(const TipModel& m, bool tracker) {
+  Eigen::VectorXd left = m.entries();
+  const Eigen::MatrixXd x = m.all_columns();
+  if (x.cols() == 0) return left;
   const Eigen::VectorXd root = m.solution().weight.cwiseSqrt();
-  const Eigen::Index rows = m.entries().size() / coordinates;
+  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
+  const Eigen::Index rows = left.size() / coordinates;
   const Eigen::Index blocks = std::max(folds, std::min<Eigen::Index>(20, rows / 10));
+  Eigen::VectorXd scale = x.colwise().norm();
+  for (double& s : scale) s = s > 0 ? 1 / s : 0;
+  const Eigen::MatrixXd unit = root.asDiagonal() * x * scale.asDiagonal();
   for (Eigen::Index fold = 0; fold < folds; ++fold) {
     std::vector<Eigen::Index> in, out;
     for (Eigen::Index i = 0; i < m.entries().size(); ++i)
       (((i / coordinates) * blocks / rows) % folds == fold ? out : in).push_back(i);
-    const auto predict = [&](const Eigen::MatrixXd& x, Eigen::VectorXd& residual) {
-      if (x.cols() == 0) return;
-      Eigen::VectorXd scale = x.colwise().norm();
-      for (double& s : scale) s = s > 0 ? 1 / s : 0;
-      const Eigen::MatrixXd unit = root.asDiagonal() * x * scale.asDiagonal();
-      const Eigen::VectorXd target = root.cwiseProduct(m.entries())(in);
-      const Eigen::VectorXd theta =
-          scale.asDiagonal() * least_norm_solution(unit(in, Eigen::all), target, 1e-6);
-      residual(out) = m.entries()(out) - x(out, Eigen::all) * theta;
-    };
-    predict(free, h.before);
-    predict(all, h.after);
+    const Eigen::VectorXd target = root.cwiseProduct(m.entries())(in);
+    Eigen::VectorXd theta = scale.asDiagonal() * least_norm_solution(unit(in, Eigen::all), target, 1e-6);
+    for (std::size_t i = 0; i < m.terms().size(); ++i)
+      if (!tracker && m.terms()[i].of_tracker()) theta.segment(m.position(i), m.terms()[i].size()).setZero();
+    left(out) = m.entries()(out) - x(out, Eigen::all) * theta;
   }
-  return h;
+  return left;
 }
 
 /// 95 % interval of the ratio of the rms before and after, by a bootstrap over blocks.
-void ratio_interval(const HeldOutEntries& h, Eigen::Index coordinates, std::uint64_t seed, Gain& gain) {
-  const Eigen::Index rows = h.before.size() / coordinates;
+void ratio_interval(const Eigen::VectorXd& without, const Eigen::VectorXd& with, const TipModel& m,
+                    Gain& gain) {
+  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
+  const std::uint64_t seed = stream_seed(m.seed(), "tip bootstrap");
+  const Eigen::Index rows = without.size() / coordinates;
   const Eigen::Index blocks = std::min<Eigen::Index>(50, rows / 2);
   Eigen::ArrayXd before(blocks), after(blocks);
   for (Eigen::Index b = 0; b < blocks; ++b) {
     const Eigen::Index first = b * rows / blocks * coordinates, end = (b + 1) * rows / blocks * coordinates;
-    before[b] = h.before.segment(first, end - first).squaredNorm();
-    after[b] = h.after.segment(first, end - first).squaredNorm();
+    before[b] = without.segment(first, end - first).squaredNorm();
+    after[b] = with.segment(first, end - first).squaredNorm();
   }
   std::vector<double> ratios;
   for (std::uint64_t r = 0; r < resamples; ++r) {
@@ -104,16 +102,15 @@ void ratio_interval(const HeldOutEntries& h, Eigen::Index coordinates, std::uint
 
 /// @param ideal  the model without causes and frames
 Gain gain_of(const TipModel& m, const TipModel& ideal) {
-  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
-  const HeldOutEntries h{held_out(ideal, coordinates).before, held_out(m, coordinates).after};
+  const Eigen::VectorXd before = held_out(ideal, false), after = held_out(m, false);
   Gain gain;
   gain.unit = "m";
   gain.of_tip = true;
-  gain.rms_before = rms(h.before);
-  gain.rms_after = rms(h.after);
+  gain.rms_before = rms(before);
+  gain.rms_after = rms(after);
   gain.held_out = true;
-  ratio_interval(h, coordinates, stream_seed(m.seed(), "tip bootstrap"), gain);
-  const Eigen::VectorXd scaled = m.solution().weight.cwiseSqrt().cwiseProduct(h.after);
+  ratio_interval(before, after, m, gain);
+  const Eigen::VectorXd scaled = m.solution().weight.cwiseSqrt().cwiseProduct(after);
   gain.sigma_ratio = rms(scaled);
   gain.coverage = static_cast<double>((scaled.array().abs() < 1.96).count()) /
                   static_cast<double>(std::max<Eigen::Index>(scaled.size(), 1));
@@ -124,10 +121,21 @@ Gain gain_of(const TipModel& m, const TipModel& ideal) {
   return gain;
 }
 
+/// The model without causes and frames, with the displacements of the tracker that were found beside them.
+TipModel without_causes(const TipModel& found, TipModel ideal) {
+  for (std::size_t i = 0; i < found.terms().size(); ++i)
+    if (found.terms()[i].of_tracker()) ideal.add(found.terms()[i], found.coefficients(i));
+  ideal.fit();
+  return ideal;
+}
+
 /// Whether causes and frames reduce the residual of held-out blocks, by an interval of the ratio without 1.
 /// What does not is no error that anyone would notice, however significant it seems to be.
-bool improves(const TipModel& found, const Gain& gain) {
-  return (found.terms().empty() && found.frames() == UnknownFrames{}) || gain.lower > 1;
+bool improves(const TipModel& found, const TipModel& alone) {
+  if (found.terms().size() == alone.terms().size() && found.frames() == UnknownFrames{}) return true;
+  Gain gain;
+  ratio_interval(held_out(alone, true), held_out(found, true), found, gain);
+  return gain.lower > 1;
 }
 
 /// The extended model along the record: its tip at the readings less the causes' additions, rows x logged
@@ -183,7 +191,8 @@ bool outweighs(const Unidentified& left, const Gain& gain) {
 bool cancel(const TipModel& m, double without) {
   constexpr double times = 20;  // convention
   for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if (!m.terms()[i].kinematic() && rms((m.columns(i) * m.coefficients(i)).array()) > times * without)
+    if (const TipTerm& t = m.terms()[i]; !t.kinematic() && !t.of_tracker() &&
+                                         rms((m.columns(i) * m.coefficients(i)).array()) > times * without)
       return true;
   return false;
 }
@@ -208,6 +217,10 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
   std::vector<std::pair<double, Cause>> causes;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
     const TipTerm& t = m.terms()[i];
+    if (t.of_tracker()) {
+      d.unexplained.push_back(tracker_finding(m, i));
+      continue;
+    }
     const Eigen::VectorXd c = m.coefficients(i);
     Effect effect = t.term.effect;
     t.term.fill(effect, c);
@@ -441,23 +454,16 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const auto selection = selected(model, e, log, seed, d);
   const TipSelection& s = *selection;
   const double without = rms_without_causes(model, *e);
-  const TipModel alone(model, *e, {}, seed);
-  d.gain = gain_of(s.model, alone);
+  const TipModel bare(model, *e, {}, seed), alone = without_causes(s.model, bare);
+  d.gain = gain_of(s.model, bare);
   const Eigen::MatrixXd simulated = simulated_tip(model, s.model),
                         residual = left_by_simulation(s.model, simulated);
   std::vector<Unidentified> left = tip_remainder(s.model, s.model.in_base(s.model.solution().residual));
-  auto displaced = displaced_target(alone, d.gain.rms_after);
-  if (displaced.empty()) displaced = wandering_tracker(alone, s.model);
-  if (!displaced.empty()) {
-    d.gain = gain_of(alone, alone);
-    d.unexplained = std::move(displaced);
-    find_unseen(model, *e, d);
-    return d;
-  }
   const bool absurd = cancel(s.model, without);
-  if (!improves(s.model, d.gain) || absurd || (!left.empty() && outweighs(left.front(), d.gain))) {
-    d.gain = gain_of(alone, alone);
+  if (!improves(s.model, alone) || absurd || (!left.empty() && outweighs(left.front(), d.gain))) {
+    d.gain = gain_of(bare, bare);
     d.unexplained = tip_remainder(alone, alone.in_base(alone.solution().residual));
+    for (std::size_t i = 0; i < alone.terms().size(); ++i) d.unexplained.push_back(tracker_finding(alone, i));
     if (absurd && d.unexplained.empty())
       d.unexplained.push_back(
           {"tip", "only errors that cancel bring the model near the tip", {}, {}, without});

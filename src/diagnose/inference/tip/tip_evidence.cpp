@@ -322,6 +322,9 @@ Eigen::Index TipTerm::size() const {
       return 6;
     case Kind::tool:
       return 3;
+    case Kind::tracker:
+    case Kind::target:
+      return term.size() * directions.cols();
   }
   return 0;
 }
@@ -376,6 +379,14 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       break;
     case Kind::tool:
       columns = -p.tool;
+      break;
+    case Kind::tracker:
+    case Kind::target:
+      for (Eigen::Index i = 0; i < term.size(); ++i) {
+        auto one = columns.middleCols(i * directions.cols(), directions.cols());
+        one = -term.columns(row, i) * directions;
+        if (kind == Kind::target) one = (p.tool * one).eval();
+      }
       break;
   }
   return columns;

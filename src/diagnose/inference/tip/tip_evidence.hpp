@@ -81,8 +81,11 @@ struct TipEstimate {
   TipPose pose(const TipEvidence&, Eigen::Index row) const;
 };
 
-/// Of one term at one pose: [m] per unit of its coefficients; a frame has six.
-using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 8>;
+/// Of time, for a displacement of the tracker that changes slowly.
+inline constexpr Eigen::Index most_polynomials = 9;
+
+/// Of one term at one pose: [m] per unit of its coefficients.
+using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3 * most_polynomials>;
 
 /// A cause of an error of the tip.
 struct TipTerm {
@@ -93,19 +96,25 @@ struct TipTerm {
     axis_tilt,   ///< rotates a joint's axis alone, what follows stays in the zero pose: <axis> of the URDF
     base,        ///< displaces and rotates the robot in the tracker's frame
     tool,        ///< displaces the target in the tip's frame
-    late         ///< delays the readings of an encoder, or of all (`where`: the number of encoders)
+    late,        ///< delays the readings of an encoder, or of all (`where`: the number of encoders)
+    tracker,     ///< displaces the tracker in time, by each of the term's columns along each direction
+    target       ///< the same of its target, along axes of the tip
   };
   Kind kind = Kind::encoder;
-  Term term;              ///< its effect and fill; of an encoder's the columns too
-  std::size_t where = 0;  ///< encoder or moving joint; of geometry, OriginPlace::link
+  Term term;  ///< its effect and fill; of an encoder, the tracker or its target the columns too
+  /// Encoder or moving joint; of geometry, OriginPlace::link; of the tracker and its target the row from
+  /// which they are displaced, 0: always.
+  std::size_t where = 0;
   /// Unit vectors in the frame before that joint, one a coefficient: along which geometry displaces, about
   /// which a tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a
-  /// fit.
+  /// fit. Of the tracker and its target in the base's axes and the tip's.
   Eigen::Matrix3Xd directions = {};
   bool slides = false;      ///< of an axis: its joint is prismatic
   bool kinematic() const {  ///< whether it depends on the pose alone
-    return kind == Kind::encoder ? term.constant : kind != Kind::late;
+    return kind == Kind::encoder ? term.constant : kind != Kind::late && !of_tracker();
   }
+  /// Whether it is no error of the machine, but of what observes it.
+  bool of_tracker() const { return kind == Kind::tracker || kind == Kind::target; }
   /// Of a late term: whether it delays this encoder.
   bool delays(std::size_t encoder, const TipEvidence& e) const {
     return kind == Kind::late && (where == e.encoders.size() || where == encoder);

@@ -362,7 +362,9 @@ void TipModel::linearize() {
   term_columns_.clear();
   for (const TipTerm& t : terms_) term_columns_.push_back(columns(t));
   arrange_nuisance();
-  for (std::size_t i = 0; i < terms_.size(); ++i) y_ += term_columns_[i] * coefficients(i);
+  // What the estimate has is back in the entries; it has the machine, not what displaces the tracker.
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (!terms_[i].of_tracker()) y_ += term_columns_[i] * coefficients(i);
 }
 
 /// Brings the tracker's frame and its target to where the solution has them.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/random.hpp"
 #include "core/statistics.hpp"
@@ -177,51 +178,82 @@ std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd
   return {u};
 }
 
-std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipModel& causes) {
-  const TipEvidence& e = alone.evidence();
-  const Eigen::Index knots = std::clamp<Eigen::Index>(e.rows() / 16, 2, 9);
-  constexpr double most_of_it = 0.5;  // of the variance
-  if (e.rows() < fewest_rows_in_time || causes.frames().size() + causes.size() == 0) return {};
-  const Eigen::MatrixXd left = alone.in_base(alone.solution().residual);
-  const Eigen::ArrayXd place = time_of(e) * (static_cast<double>(knots - 1) / time_of(e).maxCoeff());
-  Eigen::MatrixXd hats(e.rows(), knots);
-  for (Eigen::Index i = 0; i < knots; ++i)
-    hats.col(i) = (1 - (place - static_cast<double>(i)).abs()).cwiseMax(0).matrix();
-  const Eigen::MatrixXd normal = hats.transpose() * hats;
-  const Eigen::MatrixXd wander = hats * normal.ldlt().solve(hats.transpose() * left);
-  const double whole = (left.rowwise() - left.colwise().mean()).squaredNorm(),
-               rest = (left - wander).squaredNorm(), by_causes = causes.solution().residual.squaredNorm();
-  // Schwarz's criterion; twice, as neighbouring rows are not independent.
-  const auto entries = static_cast<double>(left.size());
-  const auto more = static_cast<double>(wander.cols() * (knots - 1) - causes.frames().size() - causes.size());
-  const double gained = 0.5 * entries * std::log(by_causes / rest),
-               price = std::log(entries) * std::max(more, 4.0);
-  if (rest > (1 - most_of_it) * whole || !(gained > price)) return {};
-  const Eigen::MatrixXd about = wander.rowwise() - wander.colwise().mean();
-  Unidentified u{"tip",
-                 e.ordered ? "changes slowly in time" : "changes from pose to pose in their order, slowly",
-                 {},
-                 {},
-                 std::sqrt(2 * about.squaredNorm() / static_cast<double>(left.rows()))};
-  u.next =
-      "look whether the tracker warms up or its mount gives way: track a point that rests beside the tip";
-  return {u};
+namespace {
+
+TipTerm tracker_term(const TipEvidence& e, TipTerm::Kind kind, Eigen::ArrayXXd columns, Eigen::Index row) {
+  TipTerm t{kind, {}, static_cast<std::size_t>(row)};
+  t.term.effect.joint = "tip";
+  t.term.columns = std::move(columns);
+  t.term.unnamed = row > 0 ? "a step in time" : "changes slowly in time";
+  t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
+  t.directions = Eigen::Matrix3d::Identity()(Eigen::all, e.axes);
+  return t;
 }
 
-std::vector<Unidentified> displaced_target(const TipModel& alone, double left_by_causes) {
-  const TipEvidence& e = alone.evidence();
-  if (e.rows() < fewest_rows_in_time || e.axes.size() < 3) return {};
-  constexpr double most_of_it = 0.5;  // of the variance: the causes of less are not looked for here
-  Eigen::MatrixXd left = alone.in_base(alone.solution().residual);
-  for (const bool of_target : {false, true}) {
-    if (of_target)  // in the axes of the tip, with which the target moves
-      for (Eigen::Index k = 0; k < left.rows(); ++k)
-        left.row(k) = (left.row(k) * alone.estimate().pose(e, k).tool).eval();
-    const Shift shift = largest_shift(left);
-    const double rest = without(left, shift).squaredNorm() / static_cast<double>(left.size());
-    if (shift.share > most_of_it && std::sqrt(rest) < left_by_causes) return {described(shift, e)};
+/// Chebyshev's polynomials in time.
+TipTerm wander(const TipEvidence& e, Eigen::Index count) {
+  const Eigen::ArrayXd time = time_of(e);
+  const Eigen::ArrayXd angle = (2 * time / time.maxCoeff() - 1).acos();
+  Eigen::ArrayXXd columns(e.rows(), count);
+  for (Eigen::Index i = 0; i < count; ++i) columns.col(i) = (static_cast<double>(i) * angle).cos();
+  return tracker_term(e, TipTerm::Kind::tracker, std::move(columns), 0);
+}
+
+/// The largest shift of what a fit leaves, of the tracker or of the target.
+std::optional<TipTerm> knock(const TipModel& m, TipTerm::Kind kind, Eigen::MatrixXd left) {
+  const TipEvidence& e = m.evidence();
+  if (kind == TipTerm::Kind::target) {
+    if (e.axes.size() < 3) return std::nullopt;
+    for (Eigen::Index k = 0; k < left.rows(); ++k)
+      left.row(k) = (left.row(k) * m.estimate().pose(e, k).tool).eval();
   }
-  return {};
+  const Shift shift = largest_shift(left);
+  if (shift.row == 0) return std::nullopt;
+  Eigen::ArrayXXd after = Eigen::ArrayXXd::Zero(e.rows(), 1);
+  after.bottomRows(e.rows() - shift.row).setOnes();
+  return tracker_term(e, kind, std::move(after), shift.row);
+}
+
+}  // namespace
+
+std::vector<TipTerm> tracker_terms(const TipModel& m) {
+  if (m.evidence().rows() < fewest_rows_in_time) return {};
+  std::vector<TipTerm> terms;
+  for (Eigen::Index degree = 1; degree < most_polynomials; degree *= 2)
+    if (degree == 1 || degree < m.evidence().rows() / 16) terms.push_back(wander(m.evidence(), degree + 1));
+  const Eigen::MatrixXd left = m.in_base(m.solution().residual);
+  for (const TipTerm::Kind kind : {TipTerm::Kind::tracker, TipTerm::Kind::target})
+    if (auto step = knock(m, kind, left)) terms.push_back(std::move(*step));
+  return terms;
+}
+
+void settle_knocks(TipModel& m) {
+  for (std::size_t i = 0; i < m.terms().size(); ++i) {
+    const TipTerm& t = m.terms()[i];
+    if (!t.of_tracker() || t.where == 0) continue;
+    std::optional<TipTerm> other = knock(m, t.kind, m.in_base(m.trial({i}, {}).residual));
+    if (!other || other->where == t.where) continue;
+    const TipSolution s = m.trial({i}, m.columns(*other));
+    if (s.log_likelihood <= m.solution().log_likelihood) continue;
+    const Eigen::VectorXd theta = s.theta.tail(other->size());
+    m.exchange(i, std::move(*other), theta);
+    m.fit();
+  }
+}
+
+Unidentified tracker_finding(const TipModel& m, std::size_t term) {
+  const TipTerm& t = m.terms()[term];
+  const TipEvidence& e = m.evidence();
+  const Eigen::VectorXd c = m.coefficients(term);
+  if (t.where > 0) return described({static_cast<Eigen::Index>(t.where), c.transpose(), 0}, e);
+  const Eigen::MatrixXd moved = m.in_base(m.columns(term) * c);
+  const double variance =
+      (moved.rowwise() - moved.colwise().mean()).squaredNorm() / static_cast<double>(moved.rows());
+  Unidentified u{"tip", t.term.unnamed, {}, {}, std::sqrt(2 * variance)};
+  if (!e.ordered) u.what = "changes from pose to pose in their order, slowly";
+  u.next =
+      "look whether the tracker warms up or its mount gives way: track a point that rests beside the tip";
+  return u;
 }
 
 }  // namespace qerr

@@ -23,15 +23,15 @@ inline constexpr double computed_tip = 1e-9;
 /// @returns at most one; none of fewer than 24 rows
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
-/// What a tracker that wanders adds to the tip, a slow function of time along each coordinate, where it alone
-/// explains more than all causes that were found, by Schwarz's criterion.
-/// @param alone  the model without causes
-std::vector<Unidentified> wandering_tracker(const TipModel& alone, const TipModel& causes);
+/// What a tracker, or its target, may do during the record: wander, as a polynomial of time along each
+/// coordinate, of degree 1, 2, 4 or 8; and one displacement from the row on where what the model leaves
+/// has its largest shift. None of fewer than 24 rows.
+std::vector<TipTerm> tracker_terms(const TipModel&);
 
-/// One displacement of the tracker, or of the target in the axes of the tip, from one row on, where it alone
-/// leaves less than all causes that were found.
-/// @param alone           the model without causes
-/// @param left_by_causes  rms per coordinate [m]
-std::vector<Unidentified> displaced_target(const TipModel& alone, double left_by_causes);
+/// Moves displacements that were chosen before other causes were to the rows where these leave them.
+void settle_knocks(TipModel&);
+
+/// A term of the tracker as a finding: nothing that a model of the machine reproduces.
+Unidentified tracker_finding(const TipModel&, std::size_t term);
 
 }  // namespace qerr

@@ -7,6 +7,7 @@
 
 #include "core/random.hpp"
 #include "core/solve.hpp"
+#include "diagnose/inference/tip/tip_remainder.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 
 namespace qerr {
@@ -80,7 +81,7 @@ bool same(const TipTerm& a, const TipTerm& b) {
   return a.kind == b.kind && a.where == b.where && a.directions == b.directions && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
          x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
-         x.number_or("time", 0) == y.number_or("time", 0);
+         x.number_or("time", 0) == y.number_or("time", 0) && (!a.of_tracker() || a.size() == b.size());
 }
 
 }  // namespace
@@ -138,8 +139,8 @@ struct TipStep {
   double log_likelihood = 0, cost = 0, correlated = 1;
 };
 
-std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& options) {
-  std::vector<TipTerm> all = tip_candidates(model);
+std::optional<TipStep> next_step(const TipModel& model, std::vector<TipTerm> all,
+                                 const TipSelectOptions& options) {
   std::vector<std::pair<double, std::size_t>> passing;
   std::vector<Eigen::MatrixXd> columns;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -148,7 +149,10 @@ std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& 
     if (gain > 4) passing.emplace_back(gain, i);
   }
   std::sort(passing.rbegin(), passing.rend());
-  if (passing.size() > most_tip_fits) passing.resize(most_tip_fits);
+  // Of many coefficients, displacements of the tracker gain more than what is simpler.
+  const auto of_tracker =
+      std::count_if(all.begin(), all.end(), [](const TipTerm& t) { return t.of_tracker(); });
+  passing.resize(std::min<std::size_t>(passing.size(), most_tip_fits + static_cast<std::size_t>(of_tracker)));
   std::optional<TipStep> best;
   for (const auto& [gain, i] : passing) {
     const Eigen::Index size = columns[i].cols();
@@ -199,6 +203,12 @@ void reshape(TipModel& model, std::size_t term) {
   const Eigen::VectorXd theta = solution.theta.tail(best.size());
   model.exchange(term, std::move(best), theta);
   model.fit();
+}
+
+std::vector<TipTerm> unchosen_tracker_terms(const TipModel& model) {
+  std::vector<TipTerm> terms = tracker_terms(model);
+  std::erase_if(terms, [&](const TipTerm& t) { return chosen(model, t); });
+  return terms;
 }
 
 double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
@@ -252,13 +262,17 @@ void prune(TipModel& model) {
 /// ends it.
 TipModel grown(TipModel model, const TipSelectOptions& options) {
   for (std::size_t i = 0; i < 2 * options.most_terms && model.terms().size() < options.most_terms; ++i) {
-    std::optional<TipStep> step = next_step(model, options);
+    std::vector<TipTerm> all = tip_candidates(model);
+    if (options.tracker)
+      for (TipTerm& t : unchosen_tracker_terms(model)) all.push_back(std::move(t));
+    std::optional<TipStep> step = next_step(model, std::move(all), options);
     if (!step) break;
     TipModel next = model;
     next.add(std::move(step->term), step->theta);
     next.fit();
     reshape(next, next.terms().size() - 1);
     prune(next);
+    settle_knocks(next);
     if (!(value_of(next) >= value_of(model) + 0.5 * better_by) || !is_possible(next)) break;
     model = std::move(next);
   }
@@ -306,12 +320,14 @@ bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& 
              2.5 * options.least_amplitude;
 }
 
-/// A model's value, with what free frames and terms cost beyond their coefficients.
+/// A model's value, with what free frames and terms cost beyond their coefficients: many faults together are
+/// rarer than one.
 double value_with_penalties(const TipModel& m) {
   const Eigen::Index free = m.trial({}, {}).rank - m.size();
   // A frame displaces the first joint in all directions: of two that leave the same it is the simpler cause.
-  double cost = (m.frames().target ? unnamed_penalty : 0) + (m.frames().base ? 0.5 * unnamed_penalty : 0);
-  for (const TipTerm& t : m.terms()) cost += penalty(m, t);
+  double cost = (m.frames().target ? unnamed_penalty + better_by : 0) +
+                (m.frames().base ? 0.5 * unnamed_penalty + better_by : 0);
+  for (const TipTerm& t : m.terms()) cost += penalty(m, t) + better_by;
   return m.value(m.solution(), m.size() + free) - cost;
 }
 
@@ -370,11 +386,34 @@ UnknownFrames frames_of_some_rows(const OperationalModel& model, const TipEviden
   return best_framed(model, some, {}, seed, options).frames();
 }
 
+/// Whether a displacement of the tracker in time explains what the causes leave, or alone half of what
+/// several of them explain: these may imitate it.
+bool may_be_displaced(const TipModel& found, const TipModel& ideal, const TipSelectOptions& options) {
+  constexpr Eigen::Index several = 3;  // coefficients: the simplest displacement has as many
+  if (next_step(found, tracker_terms(found), options)) return true;
+  if (found.size() + found.frames().size() < several) return false;
+  const std::optional<TipStep> alone = next_step(ideal, tracker_terms(ideal), options);
+  if (!alone) return false;
+  const TipSolution s = ideal.trial({}, ideal.columns(alone->term));
+  return s.residual.squaredNorm() < 0.5 * ideal.solution().residual.squaredNorm();
+}
+
+TipModel best_tracked(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
+                      TipSelectOptions options) {
+  TipModel found = best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options);
+  if (!may_be_displaced(found, TipModel(model, e, {}, seed), options)) return found;
+  options.tracker = true;
+  TipModel more = grown(found, options), fresh = best_framed(model, e, {}, seed, options);
+  for (TipModel* other : {&more, &fresh})
+    if (value_with_penalties(*other) > value_with_penalties(found)) found = std::move(*other);
+  return found;
+}
+
 }  // namespace
 
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
-  TipSelection s{best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options), {}, {}};
+  TipSelection s{best_tracked(model, e, seed, options), {}, {}};
   find_tip_alternatives(model, s);
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const TipTerm& t = s.model.terms()[i];

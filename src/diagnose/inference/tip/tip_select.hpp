@@ -20,6 +20,7 @@ struct TipSelectOptions {
   double alpha = 0.01;            ///< of a false name in the record, over all candidates
   double least_amplitude = 0.15;  ///< rms of what a cause adds, over that of all noise at the tip
   std::size_t most_terms = 24;
+  bool tracker = false;  ///< whether it may have been displaced during the record (`tracker_terms`)
 };
 
 /// A term that could replace a chosen one.
