@@ -59,6 +59,35 @@ TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
   }
 }
 
+/// Friction that nothing predicts: the load is then told by the link's own motion, and the product of
+/// compliance and load better than either.
+TEST(DriveTorque, ThatFrictionHidesIsALoadByTheLinksMotion) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Drive drive(620 + seed);
+    Machine& m = drive.machine;
+    double level = 0;
+    for (Eigen::Index k = 0; k < m.rows; ++k) {  // its level changes from second to second
+      level += -level / m.rate + std::sqrt(2 / m.rate) * m.normal();
+      drive.torque[k] += drive.friction * level;
+    }
+    const double compliance = m.between(4, 15) * m.resolution / drive.weight;
+    const Diagnosis d = drive.diagnosed(compliance);
+    ASSERT_EQ(d.causes.size(), 1U) << seed;
+    const Effect& found = d.causes[0].effect;
+    EXPECT_EQ(found.type, "compliance") << seed;
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    const double times = found.number("compliance"), of_inertia = times * found.number_or("load_inertia", 0);
+    EXPECT_NEAR(of_inertia, compliance * drive.inertia, 0.05 * compliance * drive.inertia) << seed;
+    EXPECT_NEAR(times * found.number_or("load_moment", 0), compliance * drive.weight,
+                0.05 * compliance * drive.weight)
+        << seed;
+    EXPECT_NEAR(found.number_or("load_angle", 1), 0, 0.05) << seed;
+    // The rotor's inertia counts as the link's.
+    EXPECT_LT(times, 1.1 * compliance) << seed;
+    EXPECT_GT(times, 0.9 * compliance * drive.inertia / (drive.inertia + drive.rotor)) << seed;
+  }
+}
+
 TEST(DriveTorque, OfAStiffGearIsNoFault) {
   for (unsigned seed = 1; seed <= 5; ++seed)
     EXPECT_EQ(Drive(650 + seed).diagnosed(0).verdict, Verdict::nothing_wrong) << seed;
