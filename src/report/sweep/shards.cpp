@@ -22,7 +22,7 @@ using Entries = std::vector<std::pair<std::string, std::string>>;
 
 /// A record must fit into the extended attribute of a file, of which 4 KB are common: that many names of
 /// files of at most that many bytes; more are one entry.
-constexpr std::size_t most_files = 24, longest_name = 60;
+constexpr std::size_t most_files = 24, longest_shown_name = 60;
 
 /// 64 bits: changes by accident or by a person are noticed, and nobody gains by hiding one.
 std::string fingerprint(const std::string& digest) { return digest.substr(0, 16); }
@@ -40,7 +40,7 @@ std::string fingerprint_of_file(const RunInput& input) {
 /// Printable ASCII without the characters that separate entries or cells.
 std::string plain(const std::string& text) {
   std::string out;
-  for (const char c : text.substr(0, longest_name))
+  for (const char c : text.substr(0, longest_shown_name))
     out += c < ' ' || c > '~' || std::string_view(",;=\"").find(c) != std::string_view::npos ? '_' : c;
   return out;
 }
