@@ -152,16 +152,6 @@ std::optional<Shard> shard_of(std::string_view text) {
 
 }  // namespace
 
-bool has_hidden(std::string_view line) {
-  for (std::size_t at = 0; at < line.size();) {
-    const auto byte = static_cast<unsigned char>(line[at]);
-    const bool plain = 0x20 <= byte && byte < 0x7f;
-    if (!plain && hidden_length(line, at) > 0) return true;
-    at += plain ? 1 : utf8_length(line, at);
-  }
-  return false;
-}
-
 bool CsvLines::next() {
   constexpr std::size_t block_size = std::size_t{1} << 18;
   std::size_t end;
@@ -231,7 +221,6 @@ bool ShardLines::next() {
 
 namespace {
 
-/// The file of a shard.
 class ShardReader {
  public:
   explicit ShardReader(const std::string& path)
@@ -285,7 +274,6 @@ class ShardReader {
   ShardHeader header_;
 };
 
-/// All shards, by their numbers.
 class Shards {
  public:
   Shards(const std::vector<std::string>& files, const RunRecord* expected) {
