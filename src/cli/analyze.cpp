@@ -11,9 +11,8 @@ namespace {
 int run_analyze(const Values& v) {
   ProofRequest proofs = proof_request(v);
   proofs.all = v.given("prove");
-  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                   {at_the_beginning(figures), figures});
+                   [&](const Spec& s) { return figures_of_some(s, threads(v)); });
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   if (!limits.empty()) refuse_unreached(analysis_of_some(spec, threads(v)), limits, "--above");
   limit_configurations(spec, v);

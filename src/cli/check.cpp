@@ -58,10 +58,9 @@ CheckReport checked(const Baselines& baselines, const ProofRequest& proofs, cons
   if (v.given("baseline"))
     for (const std::string& path : paths) of_specs[path] = &baseline_of(baselines, path, paths.size() == 1);
   for (const std::string& path : paths) try {
-      const ReportText figures = [&](const Spec& s) {
+      const Spec spec = load(path, v, {"threshold", "sweep", "design"}, [&](const Spec& s) {
         return v.given("baseline") ? figures_of_some(s, threads(v)) : verdicts_of_some(s, threads(v));
-      };
-      const Spec spec = load(path, v, {"threshold", "sweep", "design"}, {at_the_beginning(figures), figures});
+      });
       limit_configurations(spec, v);
       report.specs.push_back(check(spec, options, of_specs[path], proofs));
     } catch (const Error& e) {

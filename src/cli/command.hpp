@@ -25,7 +25,6 @@ struct Caller {
   std::atomic<bool> stops = false;  ///< set by the caller: the work that shows progress ends with Stopped
 };
 
-/// Work that the caller has stopped.
 struct Stopped {};
 
 /// The caller of the running command; null: the program `qerr` itself.

@@ -4,6 +4,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/lists.hpp"
 #include "core/parallel.hpp"
 #include "core/run_files.hpp"
 #include "core/suggest.hpp"
@@ -113,8 +114,7 @@ class Parser {
         refuse(row.long_name(), "can be given once", qerr::quoted(texts_[row.key()].front()) + " before",
                "leave out one of the two");
       const bool no_value = text.empty() || text.starts_with("--") || option_of(command_.options, text);
-      if (no_value && std::find(words_.begin(), words_.end(), text) != words_.end())
-        refuse_missing(row, i % once, qerr::quoted(text) + " instead");
+      if (no_value && contains(words_, text)) refuse_missing(row, i % once, qerr::quoted(text) + " instead");
       if (!row.needs_value() && text == "true")  // CLI11's word for no value
         texts_[row.key()].emplace_back(row.takes_value() ? row.implied : row.name);
       else
@@ -179,7 +179,7 @@ class Parser {
   }
 
   void check_choice(const Option& row, const std::string& text, const std::vector<std::string>& words) const {
-    if (std::find(words.begin(), words.end(), text) == words.end())
+    if (!contains(words, text))
       refuse(row.long_name(), "unknown " + std::string(row.choice), qerr::quoted(text),
              did_you_mean(text, words));
   }

@@ -45,11 +45,7 @@ const std::vector<Command>& commands() {
   return rows;
 }
 
-const Command* command_of(std::string_view name) {
-  for (const Command& command : commands())
-    if (command.name == name) return &command;
-  return nullptr;
-}
+const Command* command_of(std::string_view name) { return find_named(commands(), name); }
 
 std::vector<std::string> command_names() { return names_of(commands()); }
 

@@ -4,6 +4,7 @@
 #include "input/text_source.hpp"
 #include "qerr/report/comparison.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -16,7 +17,6 @@ bool is_report(const std::string& text, const std::string& file) {
   return begin != std::string::npos && text[begin] == '{';
 }
 
-/// A report in a format that is not read.
 void refuse_other_format(const std::string& text, const std::string& file) {
   const std::string first = text.substr(0, text.find_first_of("\r\n"));
   const bool table = file.ends_with(".txt") || first.starts_with("qerr ");
@@ -42,10 +42,8 @@ SpecCheck computed(const Side& side, bool with_overrides, const Values& v) {
   SpecOverrides changes = overrides(v);
   if (!with_overrides) changes.values.clear();
   Spec spec = parse_spec(side.text, side.file, changes);
-  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
-  for (std::string& warning :
-       idle_overrides(spec, changes, {"threshold", "sweep", "design"}, {at_the_beginning(figures), figures}))
-    spec.warnings.push_back(std::move(warning));
+  append(spec.warnings, idle_overrides(spec, changes, {"threshold", "sweep", "design"},
+                                       [&](const Spec& s) { return figures_of_some(s, threads(v)); }));
   limit_configurations(spec, v);
   const WorkspaceOptions options = workspace_options(v);
   return evaluate(spec, options);

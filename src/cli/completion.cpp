@@ -7,7 +7,6 @@ namespace qerr::cli {
 
 namespace {
 
-/// The words with blanks between.
 std::string spaced(const std::vector<std::string>& words) { return qerr::joined(words, " "); }
 
 /// The arguments of a command, in their order.

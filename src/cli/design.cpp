@@ -3,6 +3,7 @@
 #include "input/spec_variants.hpp"
 #include "input/text_source.hpp"
 #include "qerr/report/design_report.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -23,8 +24,7 @@ int run_design(const Values& v) {
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");
   DesignReport report = design(variants, options);
-  for (std::string& warning : idle_overrides(variants.base(), overrides(v), {"threshold", "sweep"}, {}))
-    report.warnings.push_back(std::move(warning));
+  append(report.warnings, idle_overrides(variants.base(), overrides(v), {"threshold", "sweep"}));
   Outputs outputs;
   if (written && report.optimal)
     outputs.write([&] { finish_spec(*written, report.written, options.target); });

@@ -3,6 +3,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/lists.hpp"
 #include "qerr/report/filter_report.hpp"
 namespace qerr::cli {
 
@@ -80,19 +81,17 @@ struct Code {
 Code code(const Values& v) {
   const auto& words = v.texts("write-code");
   if (words.empty()) return {};
-  std::string known;
-  for (const CodeLanguage& l : code_languages()) {
-    if (l.name == words[0]) return {&l, std::make_unique<OutputFile>(words[1], "--write-code")};
-    known += (known.empty() ? "" : ", ") + std::string(l.name);
-  }
-  throw usage("--write-code", "unknown language", "'" + words[0] + "'", "use one of " + known);
+  if (const CodeLanguage* const l = find_named(code_languages(), words[0]))
+    return {l, std::make_unique<OutputFile>(words[1], "--write-code")};
+  throw usage("--write-code", "unknown language", "'" + words[0] + "'",
+              "use one of " + qerr::joined(names_of(code_languages())));
 }
 
 int run_filter(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec =
       load(v.text("SPEC"), v, {"configurations", "requirements", "threshold", "sweep", "design"},
-           {[&](const Spec& s) { return write(filter_report(s, asked), "json"); }});
+           [&](const Spec& s) { return write(filter_report(s, asked), "json"); });
   require_joints(spec, asked.motions);
   if (spec.filters.empty())
     throw Error({spec.file, 1, 1}, "filters", "the spec has no filters", "",

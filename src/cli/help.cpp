@@ -31,10 +31,7 @@ std::string written(const Option& row) {
   return names + row.long_name() + (row.value.empty() ? "" : ' ' + std::string(row.value));
 }
 
-bool is_global(const Option& row) {
-  return std::any_of(global_options().begin(), global_options().end(),
-                     [&](const Option& global) { return global.name == row.name; });
-}
+bool is_global(const Option& row) { return find_named(global_options(), row.name) != nullptr; }
 
 template <class Choice>
 void add_options(Page& page, const std::string& title, const std::vector<Option>& rows, Choice choice) {
@@ -104,7 +101,7 @@ const std::vector<Page>& topics() {
 
 std::vector<std::string> page_names() {
   std::vector<std::string> names = command_names();
-  for (const Page& topic : topics()) names.push_back(topic.name);
+  append(names, names_of(topics()));
   return names;
 }
 
@@ -149,8 +146,7 @@ std::string html_place(const Page& page) { return html_file(page.name); }
 Page asked_page(const std::vector<std::string>& words) {
   const std::vector<std::string> names = page_names();
   if (words.empty()) return page_of("");
-  if (words.size() == 1 && std::find(names.begin(), names.end(), words[0]) != names.end())
-    return page_of(words[0]);
+  if (words.size() == 1 && contains(names, words[0])) return page_of(words[0]);
   if (std::optional<Page> found = search_pages(words)) return *found;
   const std::string asked = qerr::joined(words, " "), near = nearest(asked, names);
   const std::string remedy =

@@ -4,6 +4,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -68,8 +69,7 @@ void write_spec(const RobotReport& report, const std::string& text, SpecFiles& f
 void check_links(const RobotModel& robot, const Values& v) {
   for (const char* option : {"base", "tip"}) {
     const std::string& link = v.text(option);
-    if (link.empty() || std::find(robot.links.begin(), robot.links.end(), link) != robot.links.end())
-      continue;
+    if (link.empty() || contains(robot.links, link)) continue;
     throw Error({robot.file}, "--" + std::string(option), "no link of the URDF has this name", quoted(link),
                 did_you_mean(link, robot.links));
   }

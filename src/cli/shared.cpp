@@ -168,24 +168,11 @@ SpecOverrides overrides(const Values& v) {
 }
 
 Spec load(const std::string& path, const Values& v, const std::vector<std::string_view>& unused,
-          const std::vector<ReportText>& reports) {
+          const ReportText& report) {
   const SpecOverrides changes = overrides(v);
   Spec spec = read_spec(path, changes);
-  for (std::string& warning : idle_overrides(spec, changes, unused, reports))
-    spec.warnings.push_back(std::move(warning));
+  append(spec.warnings, idle_overrides(spec, changes, unused, report));
   return spec;
-}
-
-ReportText at_the_beginning(ReportText report) {
-  return [report = std::move(report)](Spec spec) {
-    constexpr double samples = 1000;
-    if (!spec.motion) return report(spec);
-    Motion& m = *spec.motion;
-    const std::string whole = shortest(m.duration) + ' ' + shortest(m.settling.value_or(-1)) + ' ';
-    m.duration = std::min(m.duration, samples / m.sample_rate);
-    if (m.settling) m.settling = std::min(*m.settling, 0.5 * m.duration);
-    return whole + report(spec);
-  };
 }
 
 void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option) {
@@ -246,7 +233,7 @@ void require_known_ending(const std::vector<Option>& of_command, const Values& v
   const std::vector<std::string> known = format->choices();
   std::string endings;
   for (const Format& row : formats()) {
-    if (std::find(known.begin(), known.end(), row.name) == known.end()) continue;
+    if (!contains(known, row.name)) continue;
     if (ending.empty() || ending == row.ending) return;
     endings += (endings.empty() ? "" : ", ") + std::string(row.ending);
   }

@@ -38,19 +38,14 @@ std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
 Error usage(const std::string& option, const std::string& rule, const std::string& found,
             const std::string& remedy);
 
-/// The changes of --set and --seed.
 SpecOverrides overrides(const Values&);
 
 /// The spec with the changes of --set and --seed, and among its warnings those of changes that the report
 /// does not show.
-/// @param unused   sections of the spec that the command does not use
-/// @param reports  what the command says of a spec, at some configurations if it evaluates many
+/// @param unused  sections of the spec that the command does not use
+/// @param report  what the command says of a spec, at some configurations if it evaluates many
 Spec load(const std::string& path, const Values&, const std::vector<std::string_view>& unused,
-          const std::vector<ReportText>& reports = {});
-
-/// A report on the first second of the motion at 1 kHz, or as many samples, for `load`. It begins with the
-/// duration and the settling, which it does not show.
-ReportText at_the_beginning(ReportText);
+          const ReportText& report = {});
 
 /// Only one of the inputs of a run may be standard input.
 /// @param option  that names the second one, for the message

@@ -3,6 +3,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/spec_variants.hpp"
@@ -46,13 +47,9 @@ CutoffSearch search_of(const std::string& text) {
 Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
   const SpecVariants variants(read_text(v.text("SPEC")), v.text("SPEC"), overrides(v));
   Spec spec = variants.base();
-  const auto named = [&](const NamedFilter& f) { return f.name == search.filter; };
-  if (std::none_of(spec.filters.begin(), spec.filters.end(), named)) {
-    std::vector<std::string> known;
-    for (const NamedFilter& f : spec.filters) known.push_back(f.name);
+  if (!find_named(spec.filters, search.filter))
     throw usage("--cutoffs", "the spec has no such filter", quoted(search.filter),
-                did_you_mean(search.filter, known));
-  }
+                did_you_mean(search.filter, names_of(spec.filters)));
   if (std::none_of(spec.model.coordinates.begin(), spec.model.coordinates.end(), is_position))
     throw usage("--cutoffs", "tracking errors are those of x, y and z", "none of them in the spec",
                 "add one to 'coordinates'");
@@ -61,7 +58,7 @@ Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
     const std::string value = shortest(cutoff) + " Hz";
     const Spec one =
         variants.variant(spec_changes({{"filters." + search.filter + ".lowpass.cutoff", value}}));
-    spec.filters.push_back(*std::find_if(one.filters.begin(), one.filters.end(), named));
+    spec.filters.push_back(*find_named(one.filters, search.filter));
     spec.filters.back().name += ' ' + value;
   }
   return spec;
@@ -75,25 +72,16 @@ Spec settled(Spec spec) {
   return spec;
 }
 
-/// @param exact  with the mean over the encoders' zeros
-std::string one_run(const Spec& spec, bool exact, bool estimators) {
+/// What a run of a second's work at most shows, to tell whether an override changes it.
+std::string brief_run(const Spec& spec, bool estimators) {
+  constexpr double most = 1e5;  // samples
+  if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
+    throw Error({spec.file}, "motion", "too many samples to compare", "", "");
   SimulationOptions options;
-  options.exact = exact;
+  options.exact = true;
   SimulationReport report = simulation_report(spec, options);
   if (estimators) report.estimators = estimator_comparison(settled(spec), options);
   return write(report, "json");
-}
-
-/// What a run shows, to tell whether an override changes it: a quick one, then one of a second's work at
-/// most.
-std::vector<ReportText> runs_to_compare(bool estimators) {
-  return {at_the_beginning([=](const Spec& spec) { return one_run(spec, false, estimators); }),
-          [=](const Spec& spec) {
-            constexpr double most = 1e5;  // samples
-            if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
-              throw Error({spec.file}, "motion", "too many samples to compare", "", "");
-            return one_run(spec, true, estimators);
-          }};
 }
 
 int run_simulate(const Values& v) {
@@ -102,7 +90,7 @@ int run_simulate(const Values& v) {
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
   Spec spec = search ? with_cutoffs(*search, v)
                      : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                            runs_to_compare(estimators));
+                            [=](const Spec& s) { return brief_run(s, estimators); });
   if (estimators) spec = settled(std::move(spec));
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);

@@ -33,12 +33,11 @@ std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
   std::vector<const StatisticKind*> chosen;
   for (const StatisticKind* kind : all_statistics()) {
     const auto& names = v.texts("statistics");
-    if (std::find(names.begin(), names.end(), kind->name) != names.end()) chosen.push_back(kind);
+    if (contains(names, kind->name)) chosen.push_back(kind);
   }
   return chosen;
 }
 
-/// `--statistics` and `--wide`.
 std::vector<Option> sweep_row_options() {
   return {valued("--statistics", "NAME,...",
                  "write these statistics only, e.g. max,p99 (qerr list statistics)", OptionKind::list)
@@ -55,7 +54,6 @@ SweepRows chosen_rows(SweepJob& job, const Values& v) {
   return rows;
 }
 
-/// What the rows of the job depend on.
 RunRecord record_of(const SweepJob& job, const Values& v) {
   std::vector<std::pair<std::string, std::string>> options;
   for (const char* name : {"set", "seed", "statistics", "wide"}) {
@@ -83,7 +81,6 @@ void say_failed(const SweepCounts& counts) {
     say(of_variants(counts.failed, counts) + " cannot be computed or judged: the rows say why");
 }
 
-/// The record of the sweep of a spec.
 RunRecord record_of_spec(const std::string& path, const Values& v) {
   const SpecVariants variants(read_text(path), path, overrides(v));
   refuse_varied(variants.base(), overrides(v));
@@ -223,9 +220,8 @@ void warn_of(const Spec& spec, const Values& v) {
 /// Overrides and keys of the sweep that change no figure.
 void warn_of_idle_keys(const SpecVariants& variants, const Values& v) {
   const Spec& base = variants.base();
-  const ReportText figures = [&](const Spec& s) { return swept_figures_of_some(s, threads(v)); };
-  std::vector<std::string> warnings =
-      idle_overrides(base, overrides(v), {"threshold", "design"}, {at_the_beginning(figures), figures});
+  const auto figures = [&](const Spec& s) { return figures_of_some(s, threads(v), "csv"); };
+  std::vector<std::string> warnings = idle_overrides(base, overrides(v), {"threshold", "design"}, figures);
   std::erase_if(warnings, [](const std::string& w) { return w.starts_with("--set sweep"); });
   const auto text = [&](const SweepStep& step) {
     std::vector<Node> effects;
@@ -277,9 +273,8 @@ int write_csv(SweepJob job, const Values& v) {
   ShardFile file(v.text("output"), "--output", rows.header, record, marked, v.given("resume"));
   SweepCounts kept;
   if (v.given("resume")) kept = file.resume(job.judged);
-  if (file.compares())
-    warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew, "
-                             "and those that it holds compared"},
+  if (file.unknown())
+    warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew"},
          v);
   if (v.text("output") != "-")
     say_on_interrupt(v.text("output") + " has the rows so far: the same command with --resume goes on");

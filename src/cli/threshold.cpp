@@ -12,9 +12,9 @@ int run_threshold(const Values& v) {
   refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {
-    specs.push_back(load(path, v, {"requirements", "motion", "sweep", "design"}, {[&](const Spec& s) {
-                           return write(ThresholdReport{{threshold_row(s, threads(v))}}, "csv");
-                         }}));
+    specs.push_back(load(path, v, {"requirements", "motion", "sweep", "design"}, [&](const Spec& s) {
+      return write(ThresholdReport{{threshold_row(s, threads(v))}}, "csv");
+    }));
     limit_configurations(specs.back(), v);
   }
   OutputFile out(v.text("output"));

@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
 #include "input/log_samples.hpp"
@@ -171,9 +172,7 @@ constexpr MessageType message_types[]{
 const MessageType* find_type(std::string_view type) {
   std::string plain(type);
   if (const std::size_t at = plain.find("/msg/"); at != std::string::npos) plain.erase(at, 4);
-  for (const MessageType& t : message_types)
-    if (t.name == plain) return &t;
-  return nullptr;
+  return find_named(message_types, plain);
 }
 
 }  // namespace
@@ -222,29 +221,28 @@ class BagSamples : public LogSamples {
  public:
   BagSamples(const std::string& path, std::string stream, BagStream found, std::vector<std::string> warnings,
              const LogReading& reading, LogClock& clock)
-      : path_(path),
+      : LogSamples(path),
         stream_(std::move(stream)),
         found_(std::move(found)),
         warnings_(std::move(warnings)),
         clock_(clock) {
-    signals_.push_back({"time [s]", {path_, 0, 0}, {"time", "s", false}});
+    time_ = 0;
+    signals_.push_back({"time [s]", {file_, 0, 0}, {"time", "s", false}});
     const std::vector<ColumnMeaning> meanings = column_meanings(found_.names, reading);
     for (std::size_t i = 0; i < found_.names.size(); ++i) {
-      signals_.push_back({found_.names[i], {path_, 0, 0}, meanings[i]});
+      signals_.push_back({found_.names[i], {file_, 0, 0}, meanings[i]});
       index_[found_.names[i]] = i + 1;
     }
   }
 
-  const std::vector<LogHeader>& signals() const override { return signals_; }
-  std::optional<std::size_t> time() const override { return 0; }
-  std::string name() const override { return path_ + ' ' + stream_; }
+  std::string name() const override { return file_ + ' ' + stream_; }
 
   void choose(const std::vector<std::size_t>& signals) override {
     chosen_ = signals;
     places_.assign(signals_.size(), -1);
     for (std::size_t i = 0; i < signals.size(); ++i) places_[signals[i]] = static_cast<std::ptrdiff_t>(i);
     values_.assign(signals.size(), std::nan(""));
-    if (!signals.empty()) bag_ = open_bag(path_, found_.topic);
+    if (!signals.empty()) bag_ = open_bag(file_, found_.topic);
   }
 
   bool next(double& time, double* values) override {
@@ -254,7 +252,7 @@ class BagSamples : public LogSamples {
         continue;
       }
       if (!bag_ || !bag_->next(message_)) return false;
-      decode_checked(path_, message_, samples_);
+      decode_checked(file_, message_, samples_);
       at_ = 0;
     }
     const BagSample& sample = samples_[at_++];
@@ -262,7 +260,7 @@ class BagSamples : public LogSamples {
     time = clock_.seconds(
         stamp_of(uses_header() ? sample.stamp.value_or(message_.received) : message_.received));
     if (last_ && time < *last_)
-      throw Error({path_, 0, 0}, stream_,
+      throw Error({file_, 0, 0}, stream_,
                   "time must not decrease, after " + shortest(clock_.origin() + *last_) + " s",
                   shortest(clock_.origin() + time),
                   "do two publishers share the topic, or was a simulated clock started again?");
@@ -272,20 +270,18 @@ class BagSamples : public LogSamples {
       const auto found = index_.find(name);
       const std::ptrdiff_t place = found == index_.end() ? -1 : places_[found->second];
       if (place < 0) continue;
-      if (std::isinf(value)) throw Error({path_, 0, 0}, name, "not a finite number", shortest(value), "");
+      if (std::isinf(value)) throw Error({file_, 0, 0}, name, "not a finite number", shortest(value), "");
       values[place] = values_[static_cast<std::size_t>(place)] = value;
     }
     return true;
   }
 
   int line() const override { return number_; }
-  int line_of(std::size_t) const override { return number_; }
-  Place place(std::size_t) const override { return {path_ + ' ' + stream_, 0, 0}; }
+  Place place(std::size_t) const override { return {file_ + ' ' + stream_, 0, 0}; }
   std::string text(std::size_t chosen) const override { return shortest(values_[chosen]); }
   DecimalText written(std::size_t) const override { return unrounded; }
   DecimalText written_time() const override { return {9, 9, 19}; }
-  std::string file() const override { return path_; }
-  std::uint64_t size() const override { return size_of_bag(path_); }
+  std::uint64_t size() const override { return size_of_bag(file_); }
   std::uint64_t position() const override { return bag_ ? bag_->position() : 0; }
   std::vector<std::string> first_texts(std::size_t signal) const override {
     return signal == 0 ? std::vector<std::string>{} : found_.texts[signal - 1];
@@ -302,13 +298,11 @@ class BagSamples : public LogSamples {
 
   bool uses_header() const { return found_.stamped == found_.samples; }
 
-  std::string path_, stream_;
+  std::string stream_;
   BagStream found_;
   std::vector<std::string> warnings_;
   LogClock& clock_;
-  std::vector<LogHeader> signals_;
   std::map<std::string, std::size_t> index_;
-  std::vector<std::size_t> chosen_;
   std::vector<std::ptrdiff_t> places_;
   std::vector<double> values_;
   std::unique_ptr<BagFile> bag_;

@@ -4,6 +4,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/lists.hpp"
 #include "core/run_files.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -18,7 +19,6 @@ namespace qerr {
 
 namespace {
 
-/// What a column of the table states.
 struct CatalogueColumn {
   enum class Role { name, price, encoder, effect, description };
   Role role = Role::description;
@@ -31,19 +31,9 @@ struct CatalogueColumn {
 const EncoderKind* refusing_kind(const std::string& key) {
   for (const EncoderKind& kind : encoder_kinds()) {
     const std::vector<std::string> words = words_of(kind.ambiguous_keys);
-    if (std::find(words.begin(), words.end(), key) != words.end()) return &kind;
+    if (contains(words, key)) return &kind;
   }
   return nullptr;
-}
-
-std::vector<std::string> effect_names() {
-  std::vector<std::string> names;
-  for (const EffectKind& kind : effect_kinds()) names.emplace_back(kind.name);
-  return names;
-}
-
-bool has(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 /// The parameter that is the size of an effect: the only number that it requires; null if there are more.
@@ -70,9 +60,8 @@ CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, c
     return column;
   }
   column.detail = name.substr(point + 1);
-  std::vector<std::string> known;
-  for (const Parameter& row : kind.parameters) known.emplace_back(row.name);
-  if (!has(known, column.detail))
+  const std::vector<std::string> known = names_of(kind.parameters);
+  if (!contains(known, column.detail))
     throw Error(place, name, "the effect has no such parameter", qerr::quoted(column.detail),
                 did_you_mean(column.detail, known));
   return column;
@@ -91,7 +80,7 @@ std::string another_spelling(const std::string& name, const std::vector<std::str
   std::string why;
   if (last == std::string::npos || !parse_quantity("1 " + plain.substr(last + 1), why)) return "";
   plain.resize(last);
-  return has(known, plain) ? plain : "";
+  return contains(known, plain) ? plain : "";
 }
 
 CatalogueColumn column_of(const std::string& header, const Place& place) {
@@ -100,14 +89,15 @@ CatalogueColumn column_of(const std::string& header, const Place& place) {
   using Role = CatalogueColumn::Role;
   if (name == "name") return {Role::name, {}, {}, {}};
   if (name == "price") return {Role::price, {}, {}, cell.unit};
-  if (has(encoder_keys(), name)) return {Role::encoder, name, {}, cell.unit};
-  if (has(effect_names(), name.substr(0, name.find('.')))) return effect_column(name, cell, place);
+  if (contains(encoder_keys(), name)) return {Role::encoder, name, {}, cell.unit};
+  if (contains(names_of(effect_kinds()), name.substr(0, name.find('.'))))
+    return effect_column(name, cell, place);
   if (const EncoderKind* kind = refusing_kind(name))
     throw Error(place, name, "is ambiguous: vendors use it for lines and for counts, 4 times as many",
                 qerr::quoted(name), std::string(kind->ambiguous_remedy));
   std::vector<std::string> known = encoder_keys();
   known.insert(known.end(), {"name", "price"});
-  for (const std::string& effect : effect_names()) known.push_back(effect);
+  for (const std::string& effect : names_of(effect_kinds())) known.push_back(effect);
   if (const std::string meant = another_spelling(name, known); !meant.empty())
     throw Error(place, name, "is not how this column is written", qerr::quoted(name),
                 "write '" + meant + "', a unit in brackets behind it: '" + meant + " [unit]'");

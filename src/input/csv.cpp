@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
@@ -55,7 +56,6 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
   if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) row_ = next_ = 3;
   if (limits_.recognize) recognize();
   read_header();
-  fast_row_ = row_reader();
 }
 
 void CsvReader::recognize() {
@@ -98,7 +98,7 @@ void CsvReader::read_header() {
       throw Error({file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers");
     if (!format_.has_header) return number_columns();
     const bool comment = buffer_[next_] == '#';
-    const char* end = comment ? nullptr : record_end(buffer_.data() + next_);
+    const char* end = comment ? nullptr : record_end();
     if (comment) {
       const void* found = std::memchr(buffer_.data() + next_, '\n', end_ - next_);
       if (!found && end_ - next_ <= limits_.longest_row && fill()) continue;
@@ -146,9 +146,8 @@ void CsvReader::take_header(const char* begin, const char* end) {
   }
 }
 
-/// The columns of a table without header.
 void CsvReader::number_columns() {
-  const char* const end = record_end(buffer_.data() + row_);
+  const char* const end = record_end();
   const std::vector<std::string>& labels = source_.layout().labels();
   for (std::size_t i = cells_of(buffer_.data() + row_, end).size(); i > 0; --i) {
     header_.insert(header_.begin(), i <= labels.size() ? labels[i - 1] : "column " + std::to_string(i));
@@ -242,9 +241,7 @@ std::string CsvReader::recognized() const {
   if (format_.preamble > 0)
     all.push_back(counted(static_cast<std::size_t>(format_.preamble), "line") + " before the header");
   if (left_out_ > 0) all.push_back(counted(left_out_, "line") + " of words behind a blank line left out");
-  std::string text;
-  for (const std::string& part : all) text += (text.empty() ? "" : ", ") + part;
-  return text;
+  return joined(all);
 }
 
 std::vector<std::vector<std::string>> CsvReader::first_rows(std::size_t most) const {

@@ -2,10 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "input/table_format.hpp"
@@ -22,9 +20,6 @@ struct ColumnName {
 };
 ColumnName column_name(const std::string& cell);
 
-/// A blank within or around a cell; also the carriage return before a line feed.
-inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
 inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 struct CsvLimits {
@@ -40,7 +35,6 @@ struct CsvLimits {
 /// `null`, `-`.
 bool is_missing(std::string_view cell);
 
-/// Extremes of the decimals and digits of numbers.
 struct WrittenNumbers {
   int most_decimals = -1000, least_decimals = 1000, most_digits = 0;
   std::uint64_t largest = 0;  ///< all digits as one integer
@@ -118,8 +112,6 @@ class CsvReader {
     bool quoted = false;
   };
 
-  using RowReader = const char* (CsvReader::*)(double* values, std::ptrdiff_t stride);
-
   bool fill();
   void recognize();
   void read_header();
@@ -130,11 +122,8 @@ class CsvReader {
   void fit_header();
   bool is_blank_in_cell(char c) const { return is_blank(c) && !separates(c); }
   bool separates(char c) const { return c == format_.separator || (format_.separator == ' ' && c == '\t'); }
-  const char* record_end(const char* begin);
-  template <char separator, char decimal>
+  const char* record_end();
   const char* fast_row(double* values, std::ptrdiff_t stride);
-  const char* no_fast_row(double*, std::ptrdiff_t) { return nullptr; }
-  RowReader row_reader() const;
   bool next_record();
   bool general_row(double* values, std::ptrdiff_t stride);
   std::vector<Cell> cells_of_row() const;
@@ -151,7 +140,6 @@ class CsvReader {
   bool behind_blank_ = false;  // a blank line is before the present row
   bool remarks_ = false;       // the present row is one of words behind a blank line
   std::size_t left_out_ = 0;   // lines of words behind a blank line
-  RowReader fast_row_ = nullptr;
   std::vector<char> buffer_;
   std::size_t row_ = 0;        // start in the buffer of the current row
   std::size_t next_ = 0;       // start of the next row

@@ -24,8 +24,7 @@ unsigned digit(char c) { return static_cast<unsigned>(static_cast<unsigned char>
 /// The end of a cell that is not chosen: its separator or line end. Null, or another byte, if the general
 /// path must read the row: the cell crosses the end of the buffer, contains a line end, or has text after its
 /// quotation mark.
-template <char separator>
-const char* skip_cell(const char* p) {
+const char* skip_cell(const char* p, char separator) {
   if (*p == '"') {
     for (++p; *p != '"' || *++p == '"'; ++p)
       if (*p == '\n' || *p == '\0') return nullptr;
@@ -36,10 +35,9 @@ const char* skip_cell(const char* p) {
 }
 
 /// std::from_chars for a number that ends at `end`, whose decimal mark is perhaps a comma.
-template <char decimal>
-bool converts(const char* begin, const char* end, double& value) {
+bool converts(const char* begin, const char* end, char decimal, double& value) {
   std::string text;
-  if constexpr (decimal != '.') {
+  if (decimal != '.') {
     text.assign(begin, end);
     std::replace(text.begin(), text.end(), decimal, '.');
     begin = text.data(), end = text.data() + text.size();
@@ -58,8 +56,7 @@ const char* skip_exponent(const char* p) {
 
 /// Reads the number at `p`, correctly rounded: an integer below 2^53 divided by a power of ten up to 10^19 is
 /// one rounding of exact operands (Clinger 1990); std::from_chars reads any other number.
-template <char decimal>
-const char* read_number_with(const char* p, double& value, WrittenNumbers& written) {
+const char* read_number_with(char decimal, const char* p, double& value, WrittenNumbers& written) {
   const char* const begin = p;
   const bool negative = *p == '-';
   p += negative;
@@ -84,7 +81,7 @@ const char* read_number_with(const char* p, double& value, WrittenNumbers& writt
     const char* const power = p;
     if ((*p == 'e' || *p == 'E') && !(p = skip_exponent(p))) return nullptr;
     if (*p == '\0') return nullptr;
-    if (!converts<decimal>(begin, p, value)) return nullptr;
+    if (!converts(begin, p, decimal, value)) return nullptr;
     if (p != power && std::from_chars(power + 1 + (power[1] == '+'), p, exponent).ec != std::errc{})
       return nullptr;
     int zeros = 0;  // leading zeros are not significant
@@ -118,12 +115,13 @@ bool is_missing(std::string_view text) {
 }
 
 const char* read_number(const char* p, double& value, WrittenNumbers& written) {
-  return read_number_with<'.'>(p, value, written);
+  return read_number_with('.', p, value, written);
 }
 
 /// Reads a row of unquoted numbers. @returns its end, or null if the general path must read the row
-template <char separator, char decimal>
 const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
+  const char separator = format_.separator, decimal = format_.decimal;
+  if (separator == decimal) return nullptr;
   const char* p = buffer_.data() + row_;
   const std::ptrdiff_t* const plan = plan_.data();
   const std::size_t last = plan_.size() - 1;
@@ -132,17 +130,17 @@ const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
     while (*p == ' ' || (separator != '\t' && *p == '\t')) ++p;
     const char* const cell = p;
     if (chosen >= 0) {
-      p = read_number_with<decimal>(cell, values[chosen * stride],
-                                    written_[static_cast<std::size_t>(chosen)]);
+      p = read_number_with(decimal, cell, values[chosen * stride],
+                           written_[static_cast<std::size_t>(chosen)]);
       if (!p && limits_.empty_cells && (*cell == separator || *cell == '\n' || *cell == '\r')) {
         values[chosen * stride] = no_number;
         p = cell;
       }
     } else {
-      p = skip_cell<separator>(cell);
+      p = skip_cell(cell, separator);
       if (chosen < -1) {
         if (!p || *cell == '"' || (p != cell && is_blank(p[-1]))) return nullptr;
-        if constexpr (decimal != '.') make_decimal_point(buffer_.data() + (cell - buffer_.data()), p);
+        if (decimal != '.') make_decimal_point(buffer_.data() + (cell - buffer_.data()), p);
         texts_[static_cast<std::size_t>(-2 - chosen)] = {cell, p};
       }
     }
@@ -151,30 +149,16 @@ const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
     if (*p != separator && (separator != ' ' || *p != '\t')) return nullptr;
     ++p;
   }
-  if constexpr (separator == ' ')
+  if (separator == ' ')
     while (*p == ' ' || *p == '\t') ++p;
   p += *p == '\r';
   return *p == '\n' ? p + 1 : nullptr;
 }
 
-CsvReader::RowReader CsvReader::row_reader() const {
-  const bool comma = format_.decimal == ',';
-  switch (format_.separator) {
-    case ';':
-      return comma ? &CsvReader::fast_row<';', ','> : &CsvReader::fast_row<';', '.'>;
-    case '\t':
-      return comma ? &CsvReader::fast_row<'\t', ','> : &CsvReader::fast_row<'\t', '.'>;
-    case ' ':
-      return comma ? &CsvReader::fast_row<' ', ','> : &CsvReader::fast_row<' ', '.'>;
-    default:
-      return comma ? &CsvReader::no_fast_row : &CsvReader::fast_row<',', '.'>;
-  }
-}
-
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
   row_ = next_;
   line_ = next_line_;
-  if (const char* const end = remarks_ ? nullptr : (this->*fast_row_)(values, stride)) {
+  if (const char* const end = remarks_ ? nullptr : fast_row(values, stride)) {
     next_ = static_cast<std::size_t>(end - buffer_.data());
     ++next_line_;
     return true;
@@ -199,7 +183,7 @@ bool CsvReader::next_record() {
     row_ = next_;
     line_ = next_line_;
     if (next_ == end_ && !fill()) return false;
-    const char* const end = record_end(buffer_.data() + row_);
+    const char* const end = record_end();
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
@@ -223,35 +207,18 @@ bool CsvReader::next_record() {
 }
 
 /// The line end of the record at `row_`, outside quotation marks; fills the buffer until it is found.
-/// @param begin  of the record, in the buffer
-const char* CsvReader::record_end(const char* begin) {
+const char* CsvReader::record_end() {
   while (true) {
-    const char* const end = buffer_.data() + end_;
-    const char *opened = nullptr, *closed = nullptr;
-    bool starts = true, quoted = false;
-    for (const char* p = begin; p != end; ++p) {
-      if (quoted) {
-        if (*p == '"') quoted = false, closed = p;
-      } else if (*p == '"' && (starts || p - 1 == closed)) {
-        if (starts) opened = p;
-        quoted = true;  // again after a doubled quotation mark
-        starts = false;
-      } else if (*p == '\n') {
-        return p;
-      } else {
-        starts = separates(*p) || (starts && is_blank(*p));
-      }
-    }
-    const bool too_long = end_ - row_ > limits_.longest_row;
-    const auto offset = static_cast<std::size_t>(quoted ? opened - (buffer_.data() + row_) : 0);
-    if (too_long || !fill()) {
-      if (quoted)
-        throw Error(place_at(buffer_.data() + row_ + offset), "", "a quotation mark is not closed", "",
-                    "end the cell with \"; inside a cell it is doubled");
-      throw Error({file(), line(), 1}, "", "a line is too long", "",
-                  "at most " + std::to_string(limits_.longest_row) + " bytes");
-    }
-    begin = buffer_.data() + row_;
+    const std::string_view data(buffer_.data() + row_, end_ - row_);
+    const RecordEnd found =
+        find_record_end(data, format_.separator == ' ' ? " \t" : std::string_view(&format_.separator, 1));
+    if (found.at != std::string_view::npos) return data.data() + found.at;
+    if (data.size() <= limits_.longest_row && fill()) continue;
+    if (found.open != std::string_view::npos)
+      throw Error(place_at(buffer_.data() + row_ + found.open), "", "a quotation mark is not closed", "",
+                  "end the cell with \"; inside a cell it is doubled");
+    throw Error({file(), line(), 1}, "", "a line is too long", "",
+                "at most " + std::to_string(limits_.longest_row) + " bytes");
   }
 }
 
@@ -290,10 +257,7 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
     return text;
   }
   const auto mark = remove_thousands(text);
-  if (mark == ',' || (!mark && commas && replace_decimal_comma(text))) {
-    format_.decimal = ',';
-    fast_row_ = row_reader();
-  }
+  if (mark == ',' || (!mark && commas && replace_decimal_comma(text))) format_.decimal = ',';
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
@@ -42,11 +43,6 @@ class OptionReader {
     return node;
   }
 
-  static bool is_encoder_key(const std::string& key) {
-    const std::vector<std::string> keys = encoder_keys();
-    return std::find(keys.begin(), keys.end(), key) != keys.end();
-  }
-
   Field at(const std::string& key) const { return {field_.node->find(key), field_.path_of(key)}; }
 
   void check_keys() const {
@@ -55,7 +51,7 @@ class OptionReader {
     std::vector<std::string> known = encoder_keys();
     known.insert(known.end(), {"catalogue", "price", "gear_price"});
     for (const Node::Entry& entry : field_.node->entries)
-      if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
+      if (!contains(known, entry.key.name))
         throw Error(entry.key.place, field_.path_of(entry.key.name), "unknown key",
                     qerr::quoted(entry.key.name), did_you_mean(entry.key.name, known));
     if (field_.node->find("catalogue") && field_.node->find("price"))
@@ -85,7 +81,6 @@ class OptionReader {
     return options;
   }
 
-  /// All options with all values of a key.
   std::vector<EncoderOption> crossed(const std::vector<EncoderOption>& options,
                                      const Node::Entry& entry) const {
     const std::string& key = entry.key.name;

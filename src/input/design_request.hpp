@@ -19,7 +19,6 @@ struct EncoderOption {
   double price_per_bit = 0;           ///< of log2(counts per revolution)
 };
 
-/// The options of one joint.
 struct JointOptions {
   std::size_t joint = 0;  ///< independent joint, in chain order
   std::vector<EncoderOption> options;

@@ -14,6 +14,7 @@ const EncoderKind& first_kind(bool at_joint);
 
 /// The keys of all kinds, each once.
 std::vector<std::string> encoder_keys();
+bool is_encoder_key(const std::string& key);
 
 /// The keys of a kind and all common ones, also those that it has no use for.
 std::vector<Parameter> all_keys_of(const EncoderKind&);

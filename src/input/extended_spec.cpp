@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "effect/effects/effects.hpp"
 #include "input/changed_spec.hpp"
 #include "input/override.hpp"
@@ -144,12 +145,6 @@ std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& change
 
 namespace {
 
-const EffectKind* find_kind(const std::string& type) {
-  const auto& kinds = effect_kinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == type; });
-  return found == kinds.end() ? nullptr : &*found;
-}
-
 /// An entry of `effects:`: keys in the order of the row, SI numbers that read back as the same double.
 Node node_of(const AddedEffect& added, const EffectKind& kind) {
   Node node{Node::Type::mapping, {}, {}, false, {}, {}, added.note};
@@ -175,13 +170,18 @@ std::string pose_key(const Effect& effect) {
   return effect.type == frame_effect().name ? "tracker" : "";
 }
 
-void set_three(Node& pose, const std::string& key, const Eigen::Vector3d& value) {
-  Node list{Node::Type::sequence, {}, {}, false, {}, {}};
-  for (const double number : value) list.items.push_back(scalar_node(shortest(number)));
-  if (Node* present = pose.find(key))
-    *present = std::move(list);
+void set_key(Node& map, const std::string& key, Node value) {
+  if (Node* present = map.find(key))
+    *present = std::move(value);
   else
-    pose.entries.push_back({{key, {}}, std::move(list)});
+    map.entries.push_back({{key, {}}, std::move(value)});
+}
+
+template <class Numbers>
+Node list_node(const Numbers& numbers) {
+  Node list{Node::Type::sequence, {}, {}, false, {}, {}};
+  for (const double number : numbers) list.items.push_back(scalar_node(shortest(number)));
+  return list;
 }
 
 /// Moves robot.tool to the point that was tracked, which is found in the axes of the tip, or robot.tracker to
@@ -194,15 +194,15 @@ void move_pose(Node& root, const std::string& key, const Effect& found) {
   Eigen::Isometry3d pose = read_pose(Field{&stated, "robot." + key});
   const Eigen::Vector3d xyz(found.number("x"), found.number("y"), found.number("z"));
   if (found.type == tool_effect().name) {
-    set_three(stated, "xyz", pose * xyz);
+    set_key(stated, "xyz", list_node(pose * xyz));
     return;
   }
   const Eigen::Vector3d turn(found.number("rx"), found.number("ry"), found.number("rz"));
   Eigen::Isometry3d moved = Eigen::Translation3d(xyz) * Eigen::Isometry3d::Identity();
   if (turn.norm() > 0) moved.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   pose = moved * pose;
-  set_three(stated, "xyz", pose.translation());
-  set_three(stated, "rpy", roll_pitch_yaw(pose.linear()));
+  set_key(stated, "xyz", list_node(pose.translation()));
+  set_key(stated, "rpy", list_node(roll_pitch_yaw(pose.linear())));
 }
 
 bool is_coupling(const Effect& effect) { return effect.type == coupling_error_effect().name; }
@@ -212,42 +212,24 @@ bool is_coupling(const Effect& effect) { return effect.type == coupling_error_ef
 void state_coupling(Node& root, const Spec& spec, const std::vector<Effect>& found) {
   const Chain& chain = spec.model.chain;
   const auto number = [&](const std::string& joint) {
-    return std::find_if(chain.independent.begin(), chain.independent.end(),
-                        [&](const IndependentJoint& j) { return j.name == joint; }) -
-           chain.independent.begin();
+    return static_cast<Eigen::Index>(independent_index(chain, joint));
   };
   Eigen::MatrixXd to_encoders = spec.model.transmission.coupling.inverse().dense();
   for (const Effect& e : found)
     to_encoders(number(e.joint), number(e.choices.at("of"))) += e.number("factor");
   Node rows{Node::Type::sequence, {}, {}, false, {}, {}};
   const Eigen::MatrixXd to_joints = to_encoders.inverse();
-  for (Eigen::Index i = 0; i < to_joints.rows(); ++i) {
-    Node cells{Node::Type::sequence, {}, {}, false, {}, {}};
-    for (const double cell : to_joints.row(i)) cells.items.push_back(scalar_node(shortest(cell)));
-    rows.items.push_back(std::move(cells));
-  }
-  if (Node* stated = root.find("coupling"))
-    *stated = std::move(rows);
-  else
-    root.entries.push_back({{"coupling", {}}, std::move(rows)});
+  for (Eigen::Index i = 0; i < to_joints.rows(); ++i) rows.items.push_back(list_node(to_joints.row(i)));
+  set_key(root, "coupling", std::move(rows));
 }
 
 /// Why an effect cannot be written into a spec; "" if it can.
 std::string obstacle(const Effect& effect) {
-  if (!find_kind(effect.type) && pose_key(effect).empty() && !is_coupling(effect))
+  if (!find_named(effect_kinds(), effect.type) && pose_key(effect).empty() && !is_coupling(effect))
     return "not an effect that can be simulated";
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
-}
-
-std::string comment_lines(const std::string& text) {
-  std::string out = "# ";
-  for (const char c : text) {
-    out += c;
-    if (c == '\n') out += "# ";
-  }
-  return out + '\n';
 }
 
 /// The text of a spec with added effects and filters.
@@ -295,8 +277,9 @@ class Extension {
 
  private:
   void omit(const AddedEffect& effect, const std::string& why) {
-    omitted_ += comment_lines("found, but not part of this model: " + effect.effect.type + " of " +
-                              effect.effect.joint + " (" + why + ")\n  " + effect.note);
+    omitted_ += commented("found, but not part of this model: " + effect.effect.type + " of " +
+                              effect.effect.joint + " (" + why + ")\n  " + effect.note,
+                          "");
   }
 
   /// Comments on the filters: one that replaces the low-pass of a present filter has no entry of its own to
@@ -304,13 +287,12 @@ class Extension {
   void describe_filters() {
     const std::string why = filters_.empty() ? "" : fault_in(written({}));
     for (const AddedFilter& f : filters_) {
-      const bool present = std::any_of(spec_.filters.begin(), spec_.filters.end(),
-                                       [&](const NamedFilter& old) { return old.name == f.name; });
+      const bool present = find_named(spec_.filters, f.name);
       if (!why.empty())
-        omitted_ += comment_lines("found, but not part of this model: filter " + f.name + " (" + why +
-                                  ")\n  " + f.note);
+        omitted_ += commented(
+            "found, but not part of this model: filter " + f.name + " (" + why + ")\n  " + f.note, "");
       else if (present)
-        omitted_ += comment_lines("filters." + f.name + ": " + f.note);
+        omitted_ += commented("filters." + f.name + ": " + f.note, "");
     }
     if (!why.empty()) filters_.clear();
   }
@@ -337,24 +319,24 @@ class Extension {
     for (const AddedEffect& added : effects) {
       if (is_coupling(added.effect)) {
         couplings.push_back(added.effect);
-        elsewhere += comment_lines("coupling: " + added.note);
+        elsewhere += commented("coupling: " + added.note, "");
         continue;
       }
       if (const std::string key = pose_key(added.effect); !key.empty()) {
         move_pose(root, key, added.effect);
-        elsewhere += comment_lines("robot." + key + ": " + added.note);
+        elsewhere += commented("robot." + key + ": " + added.note, "");
         continue;
       }
       if (!root.find("effects"))
         root.entries.push_back({{"effects", {}}, Node{Node::Type::sequence, {}, {}, false, {}, {}}});
       Node& list = *root.find("effects");
-      list.items.push_back(node_of(added, *find_kind(added.effect.type)));
+      list.items.push_back(node_of(added, *find_named(effect_kinds(), added.effect.type)));
       if (std::exchange(first, false)) list.items.back().comment = remarks_ + '\n' + added.note;
     }
     if (!couplings.empty()) state_coupling(root, spec_, couplings);
     std::string out = rewritten(spec_.text, root, spec_.file);
     if (!out.ends_with('\n')) out += '\n';
-    if (first) out += comment_lines(remarks_);
+    if (first) out += commented(remarks_, "");
     return out + elsewhere + omitted_;
   }
 

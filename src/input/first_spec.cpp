@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
@@ -75,8 +76,7 @@ std::optional<double> coupled_ratio(const std::vector<StatedCoupling>& couplings
 
 AssumedEncoder assumed_encoder(const RobotModel& robot, const std::vector<StatedCoupling>& couplings,
                                const IndependentJoint& joint) {
-  const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
-                                    [&](const Joint& j) { return j.name == joint.name; });
+  const Joint* const in_urdf = find_named(robot.joints, joint.name);
   const auto coupled = coupled_ratio(couplings, joint.name);
   if (coupled)
     return motor_encoder(
@@ -145,14 +145,12 @@ std::string robot_section(const RobotModel& robot, const Chain& chain, const std
                                    "  # ", LongWords::cut));
 }
 
-/// Couplings whose joints are both in the chain.
 std::vector<StatedCoupling> couplings_in(const RobotModel& robot, const Chain& chain) {
   const std::vector<std::string> names = joint_names(chain);
   std::vector<StatedCoupling> found = robot.couplings;
   std::erase_if(found, [&](const StatedCoupling& c) {
-    return std::any_of(c.joints.begin(), c.joints.end(), [&](const std::string& joint) {
-      return std::find(names.begin(), names.end(), joint) == names.end();
-    });
+    return std::any_of(c.joints.begin(), c.joints.end(),
+                       [&](const std::string& joint) { return !contains(names, joint); });
   });
   return found;
 }

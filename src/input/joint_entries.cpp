@@ -4,16 +4,13 @@
 
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 
 namespace qerr {
 
-std::vector<std::string> joint_names(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const IndependentJoint& joint : chain.independent) names.push_back(joint.name);
-  return names;
-}
+std::vector<std::string> joint_names(const Chain& chain) { return names_of(chain.independent); }
 
 std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::string& name,
                        const Place& place, const std::string& path) {
@@ -31,16 +28,14 @@ std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::s
       throw Error(place, path, "the joint is fixed", quoted, did_you_mean("", names));
     throw Error(place, path, "the joint is not between base and tip", quoted, did_you_mean("", names));
   }
-  if (std::find(robot.links.begin(), robot.links.end(), name) != robot.links.end())
+  if (contains(robot.links, name))
     throw Error(place, path, "this is a link, not a joint", "'" + name + "'", did_you_mean("", names));
   throw Error(place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names));
 }
 
 bool off_chain(const RobotModel& robot, const Chain& chain, const std::string& name) {
-  const auto is_it = [&](const auto& joint) { return joint.name == name; };
-  const auto joint = std::find_if(robot.joints.begin(), robot.joints.end(), is_it);
-  return joint != robot.joints.end() && joint->type != JointType::fixed && !joint->mimic &&
-         std::none_of(chain.independent.begin(), chain.independent.end(), is_it);
+  const Joint* const joint = find_named(robot.joints, name);
+  return joint && joint->type != JointType::fixed && !joint->mimic && !find_named(chain.independent, name);
 }
 
 std::string list_of_names(const std::vector<std::string>& names) {
@@ -66,8 +61,7 @@ std::vector<std::size_t> fitting(const Chain& chain, const std::string& pattern)
 }
 
 bool is_joint(const Chain& chain, const std::string& name) {
-  return std::any_of(chain.independent.begin(), chain.independent.end(),
-                     [&](const IndependentJoint& j) { return j.name == name; });
+  return find_named(chain.independent, name) != nullptr;
 }
 
 Error no_joint(const Chain& chain, const std::string& pattern, const Place& place, const std::string& path) {
@@ -129,7 +123,7 @@ void warn_of_idle_patterns(const Chain& chain, const std::vector<JointEntry>& en
       at->second.push_back(chain.independent[i].name);
     }
   for (const auto& [pattern, joints] : all)
-    if (std::find(needed.begin(), needed.end(), pattern.node) == needed.end())
+    if (!contains(needed, pattern.node))
       warnings.push_back(
           pattern.path +
           " governs nothing: the joints that it fits have entries of their own: " + list_of_names(joints));

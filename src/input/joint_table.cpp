@@ -37,7 +37,6 @@ std::optional<std::size_t> rank_of(const LogHeader& column, const std::string& j
   return name.ends_with('/' + joint + "/position") ? std::optional(std::size(names)) : std::nullopt;
 }
 
-/// The column of a joint.
 std::size_t find_column(const LogTable& table, const std::string& joint) {
   std::vector<std::string> names;
   std::vector<std::size_t> best;

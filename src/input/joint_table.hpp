@@ -28,7 +28,6 @@ enum class TimeColumn { none, required };
 JointTable read_joint_table(const std::string& path, const Spec&, TimeColumn,
                             std::vector<std::string>& warnings);
 
-/// The limits of a joint in its unit, for a message.
 std::string text_of(const Limits&, const IndependentJoint&);
 
 /// Whether the value is within the limits up to a relative 1e-9, which covers limits printed with rounded

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
@@ -331,16 +332,12 @@ Unit time_unit(const std::string& unit, const std::string& header, const Place& 
   return column.scale;
 }
 
-std::vector<std::string> log_signal_names(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const KnownColumn& k : known_columns(chain)) names.push_back(k.name);
-  return names;
-}
+std::vector<std::string> log_signal_names(const Chain& chain) { return names_of(known_columns(chain)); }
 
 void require_log_signal(const std::string& name, const Place& place, const std::string& path,
                         const Chain& chain) {
   const std::vector<std::string> known = log_signal_names(chain);
-  if (std::find(known.begin(), known.end(), name) == known.end())
+  if (!contains(known, name))
     throw Error(place, path, "no signal of this robot's logs", quoted(name), did_you_mean(name, known));
 }
 

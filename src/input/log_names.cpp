@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
 #include "qerr/core/quantity.hpp"
@@ -117,7 +118,7 @@ std::optional<ColumnName> in_brackets(const std::string& text) {
 /// header is so called, by its number: `column 3`.
 bool names_column(const std::string& wanted, const std::vector<std::string>& header, std::size_t i) {
   if (wanted == header[i]) return true;
-  if (std::find(header.begin(), header.end(), wanted) != header.end()) return false;
+  if (contains(header, wanted)) return false;
   return wanted == column_name(header[i]).name || wanted == measured_name(header[i]).name ||
          wanted == "column " + std::to_string(i + 1);
 }

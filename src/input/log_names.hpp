@@ -28,7 +28,6 @@ struct ColumnMeaning {
   bool mapped = false;  ///< by the mapping
 };
 
-/// The meaning of each column of a file's header.
 std::vector<ColumnMeaning> column_meanings(const std::vector<std::string>& header, const LogReading&);
 
 /// Index of the time stamps: the column that the mapping names, else `time`, else the only one with a name

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
 #include "input/yaml_text.hpp"
@@ -21,14 +22,13 @@ int number_in(const std::string& digits) {
   return number;
 }
 
-/// Proposes the mapping of one log.
 class MappingGuess {
  public:
   MappingGuess(const LogTable& table, const Spec& spec) : table_(table), spec_(spec) {
     const std::vector<std::string> known = log_signal_names(spec.model.chain);
     for (std::size_t i = 0; i < table.header().size(); ++i) {
       const ColumnMeaning& meaning = table.header()[i].meaning;
-      if (std::find(known.begin(), known.end(), meaning.signal) != known.end())
+      if (contains(known, meaning.signal))
         taken_.insert(meaning.signal);
       else
         add(i);

@@ -71,7 +71,6 @@ void StampReader::refuse(const std::string& rule, const std::string& remedy) con
 
 namespace {
 
-/// Whether a header has a column of this name.
 bool has_column(const CsvReader& table, const std::string& name) {
   const auto& header = table.header();
   return std::any_of(header.begin(), header.end(),
@@ -265,7 +264,10 @@ namespace {
 class WideSamples : public LogSamples {
  public:
   WideSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
-      : table_(std::move(table)), clock_(clock), empty_stamps_(reading.missing == MissingValues::drop) {
+      : LogSamples(table->file()),
+        table_(std::move(table)),
+        clock_(clock),
+        empty_stamps_(reading.missing == MissingValues::drop) {
     std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
     const auto texts = [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); };
     time_ = find_stamps(table_->header(), meanings, texts);
@@ -283,9 +285,6 @@ class WideSamples : public LogSamples {
       signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
     if (nanoseconds_) signals_[*nanoseconds_].text.clear();  // a part of the stamps, no signal
   }
-
-  const std::vector<LogHeader>& signals() const override { return signals_; }
-  std::optional<std::size_t> time() const override { return time_; }
 
   void choose(const std::vector<std::size_t>& signals) override {
     std::vector<std::size_t> texts;
@@ -310,12 +309,10 @@ class WideSamples : public LogSamples {
   }
 
   int line() const override { return table_->line(); }
-  int line_of(std::size_t) const override { return table_->line(); }
   Place place(std::size_t chosen) const override { return table_->place(chosen); }
   std::string text(std::size_t chosen) const override { return table_->text(chosen); }
   DecimalText written(std::size_t chosen) const override { return table_->written(chosen); }
   DecimalText written_time() const override { return stamp_ ? stamp_->written() : DecimalText{}; }
-  std::string file() const override { return table_->file(); }
   std::uint64_t size() const override { return table_->source().size(); }
   std::uint64_t position() const override { return table_->source().position(); }
   std::vector<std::string> first_texts(std::size_t signal) const override {
@@ -329,8 +326,7 @@ class WideSamples : public LogSamples {
   LogClock& clock_;
   std::string stamps_;  // what was recognized of them
   bool empty_stamps_;
-  std::optional<std::size_t> time_, nanoseconds_;
-  std::vector<LogHeader> signals_;
+  std::optional<std::size_t> nanoseconds_;
   std::optional<StampReader> stamp_;
   std::optional<double> last_;
 };

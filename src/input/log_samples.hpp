@@ -26,12 +26,13 @@ struct LogHeader {
 /// sample; it is kept in memory, 24 bytes a sample, as its signals may follow one after the other.
 class LogSamples {
  public:
+  explicit LogSamples(std::string file) : file_(std::move(file)) {}
   virtual ~LogSamples() = default;
 
   /// All signals, the time stamps of a wide file included.
-  virtual const std::vector<LogHeader>& signals() const = 0;
+  const std::vector<LogHeader>& signals() const { return signals_; }
   /// Index of the time stamps among the signals; empty if the file has none.
-  virtual std::optional<std::size_t> time() const = 0;
+  std::optional<std::size_t> time() const { return time_; }
 
   /// Selects the signals to read, in the order in which `next` stores them; the time stamps are not among
   /// them.
@@ -47,7 +48,7 @@ class LogSamples {
   /// Line read last; line, place and text of a signal's last sample, and the decimals of all its samples so
   /// far.
   virtual int line() const = 0;
-  virtual int line_of(std::size_t chosen) const = 0;
+  virtual int line_of(std::size_t) const { return line(); }
   virtual Place place(std::size_t chosen) const = 0;
   virtual std::string text(std::size_t chosen) const = 0;
   virtual DecimalText written(std::size_t chosen) const = 0;
@@ -56,14 +57,20 @@ class LogSamples {
   /// The first values of a signal as texts; only before `choose`.
   virtual std::vector<std::string> first_texts(std::size_t signal) const = 0;
 
-  virtual std::string file() const = 0;
+  const std::string& file() const { return file_; }
   /// The name of the file, and of the topic of a bag.
-  virtual std::string name() const { return file(); }
+  virtual std::string name() const { return file_; }
   /// Bytes of the file, 0 of a pipe or of arrays; those of them that have been read.
-  virtual std::uint64_t size() const = 0;
-  virtual std::uint64_t position() const = 0;
+  virtual std::uint64_t size() const { return 0; }
+  virtual std::uint64_t position() const { return 0; }
   /// What a user should know about the file; complete after `choose`.
-  virtual std::vector<std::string> warnings() const { return {}; }
+  virtual std::vector<std::string> warnings() const = 0;
+
+ protected:
+  std::string file_;
+  std::vector<LogHeader> signals_;
+  std::optional<std::size_t> time_;
+  std::vector<std::size_t> chosen_;
 };
 
 /// Opens a file and reads its header, of a long file everything; of a bag each topic is a file of its own.
@@ -119,7 +126,6 @@ std::vector<std::string> format_warnings(const CsvReader&, const std::string& st
 /// kHz, in no other unit; "" if there is none, or several.
 std::string unit_of_steps(const std::vector<double>& stamps);
 
-/// Reads the time stamps of one file.
 class StampReader {
  public:
   /// @param column  of the time stamps; the i-th of the texts that the table reads

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
 
@@ -61,7 +62,7 @@ void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector
     }
     columns_.push_back(column);
   }
-  const bool any = std::find(of_readings.begin(), of_readings.end(), true) != of_readings.end();
+  const bool any = contains(of_readings, true);
   for (std::size_t f = 0; f < files_.size(); ++f) {
     files_[f].samples->choose(files_[f].signals);
     files_[f].values.resize(files_[f].signals.size());
@@ -73,7 +74,6 @@ void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector
   }
 }
 
-/// Reads on to a row with a stamp, or to the end.
 void LogTable::read_row(File& file) {
   while (!file.pending && !file.ended) {
     file.ended = !file.samples->next(file.time, file.values.data());
@@ -128,7 +128,6 @@ bool LogTable::next(double* values, std::ptrdiff_t stride) {
   }
 }
 
-/// Holds the values that a file has read.
 void LogTable::take(File& file) {
   file.pending = false;
   for (std::size_t i = 0; i < file.values.size(); ++i) {

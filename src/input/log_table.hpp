@@ -11,7 +11,6 @@
 
 namespace qerr {
 
-/// A value of a signal.
 struct TimedValue {
   double time, value;
 };
@@ -89,7 +88,6 @@ class LogTable {
     bool pending = false, ended = false;
     bool interpolated = false;
   };
-  /// A chosen column.
   struct Column {
     std::size_t file = 0, index = 0;  // among the file's chosen signals
     bool time = false;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
 #include "input/log_samples.hpp"
@@ -20,7 +21,6 @@ struct Sample {
   std::int32_t line;
 };
 
-/// What is known of one signal of a long file.
 struct LongSignal {
   WrittenNumbers written;
   std::string unit;                                        // of the column `unit`
@@ -33,9 +33,10 @@ struct LongSignal {
 class LongSamples : public LogSamples {
  public:
   LongSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
-      : table_(std::move(table)) {
+      : LogSamples(table->file()), table_(std::move(table)) {
+    time_ = 0;
     find_columns(reading);
-    StampReader stamp(*table_, column_[time_text], time_text, headers_[0].meaning.unit, clock);
+    StampReader stamp(*table_, column_[time_text], time_text, signals_[0].meaning.unit, clock);
     std::vector<std::size_t> texts{column_[time_text], column_[signal_text], column_[value_text]};
     if (units_) texts.push_back(column_[unit_text]);
     table_->choose({}, texts);
@@ -48,21 +49,18 @@ class LongSamples : public LogSamples {
     }
     written_time_ = stamp.written();
     std::vector<std::string> names;
-    for (const LogHeader& h : headers_) names.push_back(h.text);
+    for (const LogHeader& h : signals_) names.push_back(h.text);
     const std::vector<ColumnMeaning> meanings = column_meanings(names, reading);
-    for (std::size_t i = 1; i < headers_.size(); ++i) headers_[i].meaning = meanings[i];
+    for (std::size_t i = 1; i < signals_.size(); ++i) signals_[i].meaning = meanings[i];
     if (index_.empty())
       throw Error({table_->file(), table_->line(), 1}, "", "the log has no rows", "only a header", "");
   }
 
-  const std::vector<LogHeader>& signals() const override { return headers_; }
-  std::optional<std::size_t> time() const override { return 0; }
-
   void choose(const std::vector<std::size_t>& signals) override {
     chosen_ = signals;
-    std::vector<std::int64_t> place(headers_.size(), -1);
+    std::vector<std::int64_t> place(signals_.size(), -1);
     for (std::size_t i = 0; i < signals.size(); ++i) {
-      const auto& fault = signals_[signals[i]].fault;
+      const auto& fault = known_[signals[i]].fault;
       if (fault) throw Error(*fault);
       place[signals[i]] = static_cast<std::int64_t>(i);
     }
@@ -81,7 +79,7 @@ class LongSamples : public LogSamples {
     for (; at_ < samples_.size() && samples_[at_].time == time; ++at_) {
       const Sample& s = samples_[at_];
       values[s.signal] = s.value;
-      LongSignal& signal = signals_[chosen_[s.signal]];
+      LongSignal& signal = known_[chosen_[s.signal]];
       signal.line = line_ = s.line;
       signal.value = s.value;
     }
@@ -89,14 +87,11 @@ class LongSamples : public LogSamples {
   }
 
   int line() const override { return line_; }
-  int line_of(std::size_t chosen) const override { return signals_[chosen_[chosen]].line; }
-  Place place(std::size_t chosen) const override {
-    return {table_->file(), signals_[chosen_[chosen]].line, 1};
-  }
-  std::string text(std::size_t chosen) const override { return shortest(signals_[chosen_[chosen]].value); }
-  DecimalText written(std::size_t chosen) const override { return signals_[chosen_[chosen]].written.text(); }
+  int line_of(std::size_t chosen) const override { return known_[chosen_[chosen]].line; }
+  Place place(std::size_t chosen) const override { return {file_, known_[chosen_[chosen]].line, 1}; }
+  std::string text(std::size_t chosen) const override { return shortest(known_[chosen_[chosen]].value); }
+  DecimalText written(std::size_t chosen) const override { return known_[chosen_[chosen]].written.text(); }
   DecimalText written_time() const override { return written_time_; }
-  std::string file() const override { return table_->file(); }
   std::uint64_t size() const override { return table_->source().size(); }
   std::uint64_t position() const override { return table_->source().position(); }
   std::vector<std::string> first_texts(std::size_t signal) const override {
@@ -108,8 +103,7 @@ class LongSamples : public LogSamples {
   }
   std::vector<std::string> warnings() const override {
     std::vector<std::string> all = format_warnings(*table_, stamps_);
-    if (!ordered_)
-      all.push_back(table_->file() + ": its rows are not in the order of time; they are sorted by time");
+    if (!ordered_) all.push_back(file_ + ": its rows are not in the order of time; they are sorted by time");
     return all;
   }
 
@@ -144,32 +138,31 @@ class LongSamples : public LogSamples {
     const std::size_t stamp = column_[time_text];
     stamps_ = recognize_stamps(table_->file(), table_->header(), stamp,
                                first_cells(*table_, stamp, sampled_stamps), meanings[stamp]);
-    headers_.push_back({table_->header()[stamp], table_->header_place(stamp), meanings[stamp]});
-    signals_.emplace_back();
+    signals_.push_back({table_->header()[stamp], table_->header_place(stamp), meanings[stamp]});
+    known_.emplace_back();
   }
 
-  /// The signal of the last row.
   std::uint32_t signal_of_row() {
     name_.assign(table_->chosen_text(signal_text));
-    const auto [found, added] = index_.try_emplace(name_, static_cast<std::uint32_t>(headers_.size()));
+    const auto [found, added] = index_.try_emplace(name_, static_cast<std::uint32_t>(signals_.size()));
     const std::string_view unit = units_ ? table_->chosen_text(unit_text) : std::string_view();
     if (added) {
       const Place place = table_->cell_place(column_[signal_text]);
       if (!unit.empty() && !column_name(name_).unit.empty())
         throw Error(place, name_, "the signal has a unit in its name and in the column 'unit'", "",
                     "keep one of them");
-      headers_.push_back({unit.empty() ? name_ : name_ + " [" + std::string(unit) + ']', place, {}});
-      signals_.emplace_back().unit = unit;
-    } else if (unit != signals_[found->second].unit) {
+      signals_.push_back({unit.empty() ? name_ : name_ + " [" + std::string(unit) + ']', place, {}});
+      known_.emplace_back().unit = unit;
+    } else if (unit != known_[found->second].unit) {
       throw Error(table_->cell_place(column_[unit_text]), name_, "a signal must have one unit",
-                  "'" + std::string(unit) + "' after '" + signals_[found->second].unit + "'", "");
+                  "'" + std::string(unit) + "' after '" + known_[found->second].unit + "'", "");
     }
     return found->second;
   }
 
   void add(double time, StampReader& stamp) {
     const std::uint32_t index = signal_of_row();
-    LongSignal& signal = signals_[index];
+    LongSignal& signal = known_[index];
     if (signal.fault) return;
     if (time < signal.last) try {
         stamp.refuse_before(signal.last);
@@ -182,7 +175,7 @@ class LongSamples : public LogSamples {
     const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
     double value = 0;
     if (text.empty() || read_number(text.data() + plus, value, signal.written) != text.data() + text.size())
-      signal.fault = Error(table_->cell_place(column_[value_text]), headers_[index].text,
+      signal.fault = Error(table_->cell_place(column_[value_text]), signals_[index].text,
                            text.empty() ? "the cell is empty" : "not a finite decimal number",
                            text.empty() ? "" : "'" + std::string(text) + "'",
                            "write a plain number, or leave the row out");
@@ -195,10 +188,8 @@ class LongSamples : public LogSamples {
   bool units_ = false, ordered_ = true;
   std::string name_, stamps_;
   std::unordered_map<std::string, std::uint32_t> index_;
-  std::vector<LogHeader> headers_;  // the time stamps first
-  std::vector<LongSignal> signals_;
+  std::vector<LongSignal> known_;  // of each signal
   std::vector<Sample> samples_;
-  std::vector<std::size_t> chosen_;
   std::size_t at_ = 0;
   int line_ = 0;
   DecimalText written_time_;
@@ -326,9 +317,8 @@ class ArraySamples : public LogSamples {
  public:
   ArraySamples(const std::vector<LogArray>& arrays, const CsvLimits& limits, const LogReading& reading,
                LogClock& clock)
-      : arrays_(arrays), limits_(limits), clock_(clock) {
-    std::vector<std::string> names;
-    for (const LogArray& array : arrays) names.push_back(array.name);
+      : LogSamples(arrays_name), arrays_(arrays), limits_(limits), clock_(clock) {
+    const std::vector<std::string> names = names_of(arrays);
     for (const LogArray& array : arrays)
       if (array.rows != arrays.front().rows)
         throw Error({arrays_name, 0, 0}, array.name, "the arrays must have equally many values",
@@ -344,9 +334,6 @@ class ArraySamples : public LogSamples {
     for (std::size_t i = 0; i < names.size(); ++i)
       signals_.push_back({names[i], {arrays_name, 0, 0}, std::move(meanings[i])});
   }
-
-  const std::vector<LogHeader>& signals() const override { return signals_; }
-  std::optional<std::size_t> time() const override { return time_; }
 
   void choose(const std::vector<std::size_t>& signals) override {
     chosen_ = signals;
@@ -376,7 +363,6 @@ class ArraySamples : public LogSamples {
   }
 
   int line() const override { return static_cast<int>(row_); }
-  int line_of(std::size_t) const override { return line(); }
   Place place(std::size_t) const override { return {file(), line(), 0}; }
   std::string text(std::size_t chosen) const override {
     return shortest(arrays_[chosen_[chosen]].at(row_ - 1));
@@ -384,9 +370,6 @@ class ArraySamples : public LogSamples {
   DecimalText written(std::size_t chosen) const override { return written_[chosen]; }
   DecimalText written_time() const override { return written_time_; }
   std::vector<std::string> first_texts(std::size_t signal) const override { return texts_of(signal, 1000); }
-  std::string file() const override { return arrays_name; }
-  std::uint64_t size() const override { return 0; }
-  std::uint64_t position() const override { return 0; }
   std::vector<std::string> warnings() const override {
     return stamps_.empty() ? std::vector<std::string>{} : std::vector{stamps_};
   }
@@ -417,10 +400,7 @@ class ArraySamples : public LogSamples {
   CsvLimits limits_;
   LogClock& clock_;
   std::string stamps_;  // what was recognized of them
-  std::optional<std::size_t> time_;
   Unit unit_;
-  std::vector<LogHeader> signals_;
-  std::vector<std::size_t> chosen_;
   std::vector<DecimalText> written_;
   DecimalText written_time_;
   std::size_t row_ = 0;  // read

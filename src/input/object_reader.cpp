@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/spec_format.hpp"
@@ -144,7 +145,7 @@ void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>& rows, 
     const std::string text = map.path_of(p.name) + ": " + value->text + " without a unit is in " +
                              unit_name(p.coordinate ? coordinate : p.dimension) +
                              ", which is much; write the unit that is meant";
-    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+    add_once(warnings, text);
   }
 }
 
@@ -161,8 +162,7 @@ std::string read_choice(const Field& f, const Parameter& p) {
   const std::vector<std::string> known = choices_of(p);
   const std::string near = f.node->type == Node::Type::scalar ? did_you_mean(f.node->text, known) : "";
   const std::string remedy = near.starts_with("did") ? near : "give " + one_of(known);
-  if (f.node->type != Node::Type::scalar ||
-      std::find(known.begin(), known.end(), f.node->text) == known.end())
+  if (f.node->type != Node::Type::scalar || !contains(known, f.node->text))
     f.refuse("is not one of the choices", remedy);
   return f.node->text;
 }
@@ -233,13 +233,11 @@ void require_mapping(const Field& f, const std::vector<Parameter>& format) {
 }  // namespace
 
 Object::Object(const Field& field, const std::vector<Parameter>& format) : field_(field), format_(format) {
-  std::vector<std::string> known;
-  for (const Parameter& p : format) known.emplace_back(p.name);
+  const std::vector<std::string> known = names_of(format);
   std::vector<Fault> faults;
   require_mapping(field, format);
   for (const Node::Entry& entry : field.node->entries)
-    if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-      add_unknown_key(field, entry, known, faults);
+    if (!contains(known, entry.key.name)) add_unknown_key(field, entry, known, faults);
   std::vector<Fault> missing;
   for (const Parameter& p : format)
     if (p.required && !has(p.name))
@@ -253,9 +251,7 @@ Object::Object(const Field& field, const std::vector<Parameter>& format) : field
 
 Field Object::at(std::string_view key) const { return {field_.node->find(key), field_.path_of(key)}; }
 
-const Parameter& Object::row(std::string_view key) const {
-  return *std::find_if(format_.begin(), format_.end(), [&](const Parameter& p) { return p.name == key; });
-}
+const Parameter& Object::row(std::string_view key) const { return *find_named(format_, key); }
 
 std::optional<double> Object::number(std::string_view key, Dimension coordinate) const {
   const Parameter& p = row(key);
@@ -288,7 +284,7 @@ std::map<std::string, std::string> Object::choices(const std::vector<Parameter>&
 }
 
 bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
-  return std::any_of(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == key; });
+  return find_named(rows, key) != nullptr;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/core/quantity.hpp"
@@ -91,9 +92,7 @@ std::size_t read_name(const Field& map, std::string_view key, const std::vector<
 template <class Row>
 const Row& read_member(const Field& map, std::string_view key, const std::vector<Row>& rows,
                        const char* unknown) {
-  std::vector<std::string> names;
-  for (const Row& row : rows) names.emplace_back(row.name);
-  return rows[read_name(map, key, names, unknown)];
+  return rows[read_name(map, key, names_of(rows), unknown)];
 }
 
 bool has_row(const std::vector<Parameter>&, std::string_view key);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/encoder_keys.hpp"
@@ -34,24 +35,16 @@ std::optional<std::pair<std::size_t, std::string>> leading_index(const std::stri
   return std::pair(index, std::string(after, end));
 }
 
-bool is_encoder_key(const std::string& word) {
-  const std::vector<std::string> keys = encoder_keys();
-  return std::find(keys.begin(), keys.end(), word) != keys.end();
-}
-
 /// Removes the keys of other kinds that the kind of this key does not have.
 void exclude_other_keys(Node& entry, const std::string& key) {
-  const auto& kinds = encoder_kinds();
-  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == key; });
-  if (kind == kinds.end()) return;
+  const EncoderKind* const kind = find_named(encoder_kinds(), key);
+  if (!kind) return;
   const std::vector<Parameter> own = encoder_parameters(*kind);
   std::erase_if(entry.entries, [&](const Node::Entry& other) {
-    return is_encoder_key(other.key.name) &&
-           std::none_of(own.begin(), own.end(), [&](const auto& p) { return p.name == other.key.name; });
+    return is_encoder_key(other.key.name) && !find_named(own, other.key.name);
   });
 }
 
-/// One change of a tree.
 class Override {
  public:
   explicit Override(const SpecChange& change)
@@ -182,7 +175,6 @@ Node value_of(const std::string& text, const std::string& path, const Place& pla
   }
 }
 
-/// A change within a mapping by joints.
 struct JointChange {
   std::string map;    ///< path of the mapping
   std::string joint;  ///< a name or a pattern
@@ -291,9 +283,7 @@ class JointOverride {
     for (const JointOverride& other : later) {
       if (!other.replaces(*this)) continue;
       const std::vector<std::string> of_other = other.joints();
-      if (std::erase_if(left, [&](const std::string& name) {
-            return std::find(of_other.begin(), of_other.end(), name) != of_other.end();
-          }) > 0)
+      if (std::erase_if(left, [&](const std::string& name) { return contains(of_other, name); }) > 0)
         holding += (holding.empty() ? "" : ", ") + other.key();
     }
     if (left.empty())
@@ -341,11 +331,7 @@ class JointOverride {
   }
 
  private:
-  const IndependentJoint* find(const std::string& name) const {
-    const auto at = std::find_if(chain_.independent.begin(), chain_.independent.end(),
-                                 [&](const IndependentJoint& joint) { return joint.name == name; });
-    return at == chain_.independent.end() ? nullptr : &*at;
-  }
+  const IndependentJoint* find(const std::string& name) const { return find_named(chain_.independent, name); }
 
   /// The patterns among the entries that hold for a joint.
   std::vector<std::string> patterns_of(const std::string& joint) const {
@@ -360,8 +346,7 @@ class JointOverride {
   bool within(const std::string& entry) const {
     return std::all_of(chain_.independent.begin(), chain_.independent.end(), [&](const auto& joint) {
       const std::vector<std::string> patterns = patterns_of(joint.name);
-      return std::find(patterns.begin(), patterns.end(), entry) == patterns.end() ||
-             fits(path_.joint, joint.name);
+      return !contains(patterns, entry) || fits(path_.joint, joint.name);
     });
   }
 
@@ -372,12 +357,12 @@ class JointOverride {
     for (const IndependentJoint& joint : chain_.independent) {
       if (!fits(path_.joint, joint.name)) continue;
       const std::vector<std::string> patterns = patterns_of(joint.name);
-      const bool own = std::find(patterns.begin(), patterns.end(), path_.joint) != patterns.end();
+      const bool own = contains(patterns, path_.joint);
       const std::string entry = map_->find(joint.name)     ? joint.name
                                 : own || patterns.empty()  ? path_.joint
                                 : within(patterns.front()) ? patterns.front()
                                                            : joint.name;
-      if (std::find(entries.begin(), entries.end(), entry) == entries.end()) entries.push_back(entry);
+      add_once(entries, entry);
     }
     if (entries.empty())
       override_.refuse("the pattern fits no joint between base and tip", qerr::quoted(path_.joint),
@@ -402,9 +387,7 @@ class JointOverride {
     for (const EncoderKind& kind : encoder_kinds())
       if (entry->find(kind.name)) {
         const std::vector<Parameter> rows = encoder_parameters(kind);
-        return is_encoder_key(path_.rest) && std::none_of(rows.begin(), rows.end(), [&](const Parameter& p) {
-                 return p.name == path_.rest;
-               });
+        return is_encoder_key(path_.rest) && !find_named(rows, path_.rest);
       }
     return false;
   }
@@ -484,9 +467,7 @@ bool set_one_value(const std::string& one, const std::string& other) {
   const std::string a = with_dots(one), b = with_dots(other);
   if ((a + '.').starts_with(b + '.') || (b + '.').starts_with(a + '.')) return true;
   const auto kind = [](const std::string& key) {
-    const std::string last = key.substr(key.rfind('.') + 1);
-    const auto& kinds = encoder_kinds();
-    return std::any_of(kinds.begin(), kinds.end(), [&](const EncoderKind& k) { return k.name == last; });
+    return find_named(encoder_kinds(), key.substr(key.rfind('.') + 1)) != nullptr;
   };
   return a.starts_with("encoders.") && kind(a) && kind(b) &&
          a.substr(0, a.rfind('.')) == b.substr(0, b.rfind('.'));

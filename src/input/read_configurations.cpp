@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
@@ -44,9 +45,7 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
 Fault no_limits(const RobotModel& robot, const IndependentJoint& joint) {
   const std::string in_spec = "configurations: {limits: {" + joint.name + ": " +
                               (joint.prismatic() ? "[0, 500 mm]" : "[-180 deg, 180 deg]") + "}}";
-  const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
-                                    [&](const Joint& j) { return j.name == joint.name; });
-  return {in_urdf->place, "joint '" + joint.name + "'",
+  return {find_named(robot.joints, joint.name)->place, "joint '" + joint.name + "'",
           std::string("the ") + (joint.prismatic() ? "prismatic" : "revolute") +
               " joint has no limits in the URDF",
           "", "add lower and upper to its <limit>, or its range to the spec, such as " + in_spec};

@@ -3,6 +3,7 @@
 
 #include "control/loop.hpp"
 #include "control/loop_response.hpp"
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "effect/reading.hpp"
 #include "input/joint_entries.hpp"
@@ -41,12 +42,10 @@ const NamedFilter& velocity_of(const Object& o, const Spec& spec, std::string_vi
     o.at(beside).refuse("needs the filter that estimates the velocity",
                         "add 'velocity: ...' (" + did_you_mean("", known) + ")");
   const std::string name = *o.text("velocity");
-  const auto named = std::find_if(spec.filters.begin(), spec.filters.end(),
-                                  [&](const NamedFilter& n) { return n.name == name; });
-  if (named == spec.filters.end() || named->filter.derivative != 1)
+  const NamedFilter* const named = find_named(spec.filters, name);
+  if (!named || named->filter.derivative != 1)
     o.at("velocity")
-        .refuse(named == spec.filters.end() ? "no such filter" : "must be a filter with derivative 1",
-                did_you_mean(name, known));
+        .refuse(named ? "must be a filter with derivative 1" : "no such filter", did_you_mean(name, known));
   return *named;
 }
 
@@ -70,7 +69,6 @@ JointController read_controller(const Field& f, const IndependentJoint& joint, c
   return c;
 }
 
-/// Three numbers along x, y and z.
 Eigen::Vector3d read_axes(const Field& f, const Dimension& d, const std::string& example) {
   const std::vector<Field> items = read_list(f, example);
   if (items.size() != 3) f.refuse("must be three numbers, along x, y and z", "write " + example);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "control/control.hpp"
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/design_request.hpp"
@@ -55,9 +56,7 @@ Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec
   const bool alone = text.starts_with("encoder.") || text.starts_with("loop.") || text.starts_with("wall.") ||
                      text.starts_with("control.") ||
                      (point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
-                      std::any_of(spec.filters.begin(), spec.filters.end(), [&](const NamedFilter& f) {
-                        return f.name == text.substr(0, point);
-                      }));  // without a statistic
+                      find_named(spec.filters, text.substr(0, point)));  // without a statistic
   Node entry = mapping_node({{"quantity", *quantity.node}});
   entry.place = place;
   if (given_statistic) {
@@ -193,7 +192,7 @@ void read_design_gains(const Field& f, const RobotModel& robot, const Spec& spec
       of.joints = find_joints(robot, spec.model.chain, key.name, key.place, field.path);
       for (const GainOptions& other : request.gains)
         for (const std::size_t j : of.joints)
-          if (std::find(other.joints.begin(), other.joints.end(), j) != other.joints.end())
+          if (contains(other.joints, j))
             throw Error(key.place, field.path, "the gains of a joint are in two entries",
                         quoted(spec.model.chain.independent[j].name), "keep one");
       for (const char* const gain : {"kp", "kd"}) read_gain_options(o, gain, of, spec, request);
@@ -206,10 +205,7 @@ namespace {
 std::vector<std::string> searched_families() {
   std::vector<std::string> names;
   for (const FilterFamily& family : filter_families()) {
-    const auto has = [&](std::string_view key) {
-      return std::any_of(family.parameters.begin(), family.parameters.end(),
-                         [&](const Parameter& p) { return p.name == key; });
-    };
+    const auto has = [&](std::string_view key) { return has_row(family.parameters, key); };
     const bool more = std::any_of(family.parameters.begin(), family.parameters.end(), [](const Parameter& p) {
       return p.required && p.name != "order" && p.name != "cutoff";
     });
@@ -225,7 +221,7 @@ void read_families(const Object& o, FilterOptions& options) {
     return;
   }
   for (const Node& value : values_of(o.at("families"))) {
-    if (std::find(known.begin(), known.end(), value.text) == known.end())
+    if (!contains(known, value.text))
       throw Error(value.place, o.at("families").path, "no filter family that order and cutoff determine",
                   qerr::quoted(value.text), did_you_mean(value.text, known));
     options.range.families.push_back(value.text);
@@ -257,18 +253,16 @@ void read_cutoff(const Object& o, double sample_rate, FilterOptions& options) {
 }
 
 FilterOptions read_filter_options(const Node::Key& key, const Field& f, const Spec& spec) {
-  std::vector<std::string> names;
-  for (const NamedFilter& filter : spec.filters) names.push_back(filter.name);
-  const auto found = std::find(names.begin(), names.end(), key.name);
-  if (found == names.end())
+  const NamedFilter* const found = find_named(spec.filters, key.name);
+  if (!found)
     throw Error(key.place, f.path, "the spec has no filter of this name", qerr::quoted(key.name),
-                names.empty() ? "add it to `filters:` with derivative and sample_rate"
-                              : did_you_mean(key.name, names));
+                spec.filters.empty() ? "add it to `filters:` with derivative and sample_rate"
+                                     : did_you_mean(key.name, names_of(spec.filters)));
   const Object o(f, spec_format::design_filter());
   FilterOptions options;
-  options.filter = static_cast<std::size_t>(found - names.begin());
+  options.filter = static_cast<std::size_t>(found - spec.filters.data());
   options.place = key.place;
-  const double sample_rate = spec.filters[options.filter].filter.sample_rate;
+  const double sample_rate = found->filter.sample_rate;
   read_families(o, options);
   options.range.orders = {1, 2, 3, 4};
   if (o.has("orders")) {

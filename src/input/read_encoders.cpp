@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lists.hpp"
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -23,10 +24,11 @@ const EncoderKind& first_kind(bool at_joint) {
 std::vector<std::string> encoder_keys() {
   std::vector<std::string> keys;
   for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& row : encoder_parameters(kind))
-      if (std::find(keys.begin(), keys.end(), row.name) == keys.end()) keys.emplace_back(row.name);
+    for (const Parameter& row : encoder_parameters(kind)) add_once(keys, std::string(row.name));
   return keys;
 }
+
+bool is_encoder_key(const std::string& key) { return contains(encoder_keys(), key); }
 
 std::vector<Parameter> all_keys_of(const EncoderKind& kind) {
   std::vector<Parameter> rows = kind.parameters;
@@ -48,19 +50,13 @@ void refuse_ambiguous_keys(const Field& f) {
               "'" + key.name + "'", std::string(kind.ambiguous_remedy));
 }
 
-std::vector<std::string> list_of_kinds() {
-  std::vector<std::string> names;
-  for (const EncoderKind& kind : encoder_kinds()) names.emplace_back(kind.name);
-  return names;
-}
-
 /// @throws Error (input) for keys that no encoder has, and for those that the kind does not have
 void check_keys(const Field& f, const EncoderKind* kind) {
   const std::vector<std::string> known = encoder_keys();
   std::vector<Fault> faults;
   for (const Node::Entry& entry : f.node->entries) {
     const std::string& key = entry.key.name;
-    if (std::find(known.begin(), known.end(), key) == known.end())
+    if (!contains(known, key))
       add_unknown_key(f, entry, known, faults);
     else if (kind && !has_row(all_keys_of(*kind), key))
       faults.push_back({entry.key.place, f.path_of(key),
@@ -95,7 +91,7 @@ const EncoderKind& stated_kind(const Field& f) {
   check_keys(f, found);
   if (found) return *found;
   throw Error(f.node->place, f.path, "the encoder's counts are missing", described(*f.node),
-              "give one of " + did_you_mean("", list_of_kinds()).substr(7));
+              "give one of " + did_you_mean("", names_of(encoder_kinds())).substr(7));
 }
 
 }  // namespace
@@ -104,8 +100,7 @@ void refuse_bare_encoder(const Field& f, const Chain& chain) {
   const std::vector<std::string> keys = encoder_keys(), joints = joint_names(chain);
   if (f.node->type != Node::Type::mapping) return;
   for (const Node::Entry& entry : f.node->entries)
-    if (std::find(keys.begin(), keys.end(), entry.key.name) != keys.end() &&
-        std::find(joints.begin(), joints.end(), entry.key.name) == joints.end())
+    if (contains(keys, entry.key.name) && !contains(joints, entry.key.name))
       throw Error(entry.key.place, f.path_of(entry.key.name), "this is a key of an encoder, not a joint",
                   quoted(entry.key.name),
                   "name the joints: '*': {" + std::string(first_kind(false).example) + "} for all");
@@ -189,7 +184,7 @@ void warn_of_gear(const Field& entry, std::vector<std::string>& warnings) {
                            " makes the encoder coarser at the joint: it is encoder revolutions per joint "
                            "revolution; is it inverted? Write " +
                            significant(1 / value->value, 4) + " if the joint is the slow side";
-  if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+  add_once(warnings, text);
 }
 
 void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio,
@@ -204,7 +199,7 @@ void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio,
       " is taken as an angle of the encoder's shaft, 1/" + significant(ratio, 6) +
       " of it at the joint; is it the gear's? Then write gear_accuracy, which is at the joint, in its place; "
       "else state that of the gear beside it, or 0";
-  if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+  add_once(warnings, text);
 }
 
 namespace {

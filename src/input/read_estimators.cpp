@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
@@ -15,11 +16,10 @@ namespace {
 const EstimatorKind& kind_of(const Field& f) {
   constexpr const char* unknown = "no such estimator";
   const Node* name = f.node->type == Node::Type::mapping ? f.node->find("kind") : nullptr;
-  for (const FilterFamily& family : filter_families())
-    if (name && family.name == name->text)
-      Field{name, f.path_of("kind")}.refuse(unknown, "write it in filters: {" + name->text +
-                                                         ": {derivative: 1, lowpass: {family: " + name->text +
-                                                         "}}}: it is a linear filter");
+  if (name && find_named(filter_families(), name->text))
+    Field{name, f.path_of("kind")}.refuse(unknown, "write it in filters: {" + name->text +
+                                                       ": {derivative: 1, lowpass: {family: " + name->text +
+                                                       "}}}: it is a linear filter");
   return read_member(f, "kind", estimator_kinds(), unknown);
 }
 
@@ -31,8 +31,7 @@ void read_estimators(const Field& f, const RobotModel& robot, Spec& spec, Faults
     const Field& entry = field;
     faults.guard([&] {
       const EstimatorKind& kind = kind_of(entry);
-      if (std::any_of(spec.filters.begin(), spec.filters.end(),
-                      [&](const NamedFilter& other) { return other.name == name.name; }))
+      if (find_named(spec.filters, name.name))
         throw Error(name.place, entry.path, "a filter has the same name", quoted(name.name),
                     "choose another name: reports have both in one table");
       std::vector<Parameter> format = spec_format::estimator();

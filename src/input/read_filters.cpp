@@ -13,7 +13,6 @@ namespace qerr {
 
 namespace {
 
-/// One number or a list of numbers.
 std::vector<double> read_row(const Field& f, const Parameter& p) {
   if (f.node->type != Node::Type::sequence) return {read_number(f, {.name = p.name})};
   std::vector<double> row;

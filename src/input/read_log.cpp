@@ -260,7 +260,6 @@ class LogReader::Rows {
     throw fault(column, rule, remedy);
   }
 
-  /// Finds the grids of counts that are not whole.
   void find_grids() {
     for (const auto& [c, direction, grid, off_grid] : counts_) {
       if (!off_grid) continue;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
@@ -61,7 +62,7 @@ const EffectKind& effect_kind_of(const Field& f) {
   if (!type) f.refuse_missing("type", "add 'type: ...'; see `qerr list effects`");
   const EffectKind* statement = find_effect_kind(type->text);
   const auto& kinds = effect_kinds();
-  if (statement && std::none_of(kinds.begin(), kinds.end(), [&](auto& k) { return k.name == type->text; }))
+  if (statement && !find_named(kinds, type->text))
     Field{type, f.path_of("type")}.refuse(
         "is not an effect on the signal of a joint but a cause that `qerr diagnose` may report: " +
             std::string(statement->summary),

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "control/control.hpp"
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
@@ -45,7 +46,7 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   const std::optional<Coordinate> coordinate = find_coordinate(word);
   if (coordinate && spec.model.tips)
     f.refuse("which of the tips is not said", of_which_tip(spec.model, word));
-  if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
+  if (coordinate && !contains(known, word)) {
     std::string listed;
     for (const Coordinate c : spec.model.coordinates)
       listed += (listed.empty() ? "" : ", ") + std::string(info(c).name);
@@ -190,7 +191,6 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
     f.refuse("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma");
 }
 
-/// Of a signal's unit.
 Dimension dimension_of(const std::string& unit) {
   std::string why;
   return parse_unit(unit, why)->dimension;

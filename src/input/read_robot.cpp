@@ -89,7 +89,6 @@ Eigen::Isometry3d turn(double angle, const Eigen::Vector3d& axis) {
 
 Eigen::Isometry3d shift(double x, double z) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, z)); }
 
-/// What one row of the table says.
 struct DhRow {
   Joint joint;  // its origin: of what the row has before the motion
   Eigen::Isometry3d behind = Eigen::Isometry3d::Identity();  // the motion

@@ -15,7 +15,6 @@ inline Dimension coordinate_dimension(const IndependentJoint& joint) {
   return joint.prismatic() ? dimension::length : dimension::angle;
 }
 
-/// The error of a file that a value of the spec names.
 Error unopened(const Field&, const std::string& path, const Error&);
 
 /// Reads a file that a value of the spec names, relative to the spec's folder.
@@ -68,7 +67,6 @@ void read_control(const Field&, const RobotModel&, Spec&);
 /// The controllers with the velocity filters of a list; null without controllers.
 std::shared_ptr<const Control> with_velocity_filters(const std::shared_ptr<const Control>&,
                                                      const std::vector<NamedFilter>&);
-/// Designs the filters of controllers anew.
 void update_controllers(const Control&, std::vector<NamedFilter>&);
 /// @pre control is read
 void read_walls(const Field&, Spec&, Faults&);

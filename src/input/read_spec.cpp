@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/override.hpp"
@@ -138,7 +139,7 @@ Spec parse_spec(const std::string& text, const std::string& path, const SpecOver
 
 bool is_filtered(const NamedFilter& f, const Signal& s) {
   if (f.joints.empty()) return !is_closed(s);
-  return s.kind && s.kind->joints && std::find(f.joints.begin(), f.joints.end(), s.index) != f.joints.end();
+  return s.kind && s.kind->joints && contains(f.joints, s.index);
 }
 
 std::vector<Filter> designed_filters(const Spec& spec) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
@@ -9,15 +10,6 @@
 
 /// Reads the sections `coordinates`, `log` and `threshold` of a spec.
 namespace qerr {
-
-namespace {
-
-template <class Value>
-bool contains(const std::vector<Value>& list, const Value& value) {
-  return std::find(list.begin(), list.end(), value) != list.end();
-}
-
-}  // namespace
 
 std::string of_which_tip(const OperationalModel& model, const std::string& coordinate) {
   return "write " + model.tips->front().name + '.' + coordinate +
@@ -29,15 +21,13 @@ void add_length(Coordinate length, OperationalModel& model) {
   if (contains(model.lengths, length)) return;
   for (int k = 0; k < 3; ++k) {
     const auto component = static_cast<Coordinate>(static_cast<int>(first_component(length)) + k);
-    if (!contains(model.coordinates, component)) model.coordinates.push_back(component);
+    add_once(model.coordinates, component);
   }
   model.lengths.push_back(length);
 }
 
 void add_signal(const Signal& signal, OperationalModel& model) {
-  const bool known = std::any_of(model.signals.begin(), model.signals.end(),
-                                 [&](const Signal& s) { return s.name == signal.name; });
-  if (!known) model.signals.push_back(signal);
+  if (!find_named(model.signals, signal.name)) model.signals.push_back(signal);
 }
 
 void add_positions_of_tips(OperationalModel& model) {
@@ -50,9 +40,8 @@ void add_positions_of_tips(OperationalModel& model) {
 
 void read_coordinates(const Field& f, Spec& spec) {
   std::vector<std::string> all;
-  if (!spec.model.tips)
-    for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
-  for (std::string& name : signal_names(spec.model)) all.push_back(std::move(name));
+  if (!spec.model.tips) all = names_of(coordinate_list());
+  append(all, signal_names(spec.model));
   std::vector<std::string> named;
   std::vector<Coordinate> lengths;
   OperationalModel& model = spec.model;

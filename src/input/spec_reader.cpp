@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/lists.hpp"
 #include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/object_reader.hpp"
@@ -36,10 +37,7 @@ void check_version(const Object& top) {
   }
 }
 
-bool is_section(const std::string& key) {
-  const std::vector<Parameter>& rows = spec_format::top();
-  return std::any_of(rows.begin(), rows.end(), [&](const Parameter& row) { return row.name == key; });
-}
+bool is_section(const std::string& key) { return has_row(spec_format::top(), key); }
 
 /// Entries that are not indented below their section leave it empty: one mistake.
 void raise_if_not_indented(const Node& root, const Faults& faults) {
@@ -253,24 +251,21 @@ ChainOf SpecReader::chain_of() {
 
 bool SpecReader::reads_again(const Stage& stage, const std::vector<std::string>& changed) {
   const auto any = [&](const std::vector<std::string>& sections) {
-    return std::any_of(sections.begin(), sections.end(), [&](const std::string& section) {
-      return std::find(changed.begin(), changed.end(), section) != changed.end();
-    });
+    return std::any_of(sections.begin(), sections.end(),
+                       [&](const std::string& section) { return contains(changed, section); });
   };
   return any(stage.sections) || any(stage.refers_to);
 }
 
 bool SpecReader::reads_again(const std::string& section, const std::vector<std::string>& changed) {
   return std::any_of(stages().begin(), stages().end(), [&](const Stage& stage) {
-    return std::find(stage.sections.begin(), stage.sections.end(), section) != stage.sections.end() &&
-           reads_again(stage, changed);
+    return contains(stage.sections, section) && reads_again(stage, changed);
   });
 }
 
 bool SpecReader::can_change(const std::string& section) {
-  return std::any_of(stages().begin(), stages().end(), [&](const Stage& stage) {
-    return std::find(stage.sections.begin(), stage.sections.end(), section) != stage.sections.end();
-  });
+  return std::any_of(stages().begin(), stages().end(),
+                     [&](const Stage& stage) { return contains(stage.sections, section); });
 }
 
 Spec SpecReader::reread(const Node& root, const std::vector<std::string>& changed) const {

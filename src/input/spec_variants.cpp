@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/lists.hpp"
 #include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
 #include "input/override.hpp"
@@ -13,14 +14,7 @@ namespace qerr {
 
 namespace {
 
-/// The section of a dotted path.
-std::string section_of(const SpecChange& change) {
-  return change.first.substr(0, change.first.find_first_of(".["));
-}
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
+std::string section_of(const std::string& key) { return key.substr(0, key.find_first_of(".[")); }
 
 /// Sections that say how designs are found, not what they are.
 bool is_search(const std::string& section) { return section == "sweep" || section == "design"; }
@@ -53,7 +47,7 @@ SpecVariants::SpecVariants(const std::string& text, const std::string& path, con
       seed_(overrides.seed),
       reader_(path),
       base_(parse_spec(text, path, overrides)) {
-  std::erase_if(overrides_, [](const SpecChange& change) { return is_search(section_of(change)); });
+  std::erase_if(overrides_, [](const SpecChange& change) { return is_search(section_of(change.first)); });
   root_ = parse_yaml(text, path);
   std::erase_if(root_.entries, [](const Node::Entry& entry) { return is_search(entry.key.name); });
   Node root = root_;
@@ -64,7 +58,7 @@ SpecVariants::SpecVariants(const std::string& text, const std::string& path, con
 Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::vector<Node>& effects) const {
   std::vector<std::string> changed;
   for (const SpecChange& change : changes)
-    if (!contains(changed, section_of(change))) changed.push_back(section_of(change));
+    if (!contains(changed, section_of(change.first))) changed.push_back(section_of(change.first));
   if (!effects.empty() && !contains(changed, "effects")) changed.emplace_back("effects");
   const bool whole = std::any_of(changed.begin(), changed.end(),
                                  [](const std::string& s) { return !SpecReader::can_change(s); });
@@ -77,14 +71,13 @@ Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::ve
     if (wanted(entry.key.name)) root.entries.push_back(entry);
   std::vector<SpecChange> all;
   for (const SpecChange& override : overrides_)
-    if (wanted(section_of(override))) all.push_back(override);
+    if (wanted(section_of(override.first))) all.push_back(override);
   all.insert(all.end(), changes.begin(), changes.end());
   SpecReader reader(base_.file);
   const auto base_chain = [&](const Node&) -> const Chain& { return base_.model.chain; };
   std::vector<std::string> warnings =
       apply_changes(root, all, whole ? reader.chain_of() : ChainOf(base_chain));
-  for (const std::string& of_base : warnings_)
-    if (!contains(warnings, of_base)) warnings.push_back(of_base);
+  for (const std::string& of_base : warnings_) add_once(warnings, of_base);
   for (const Node& effect : effects) add_effect(root, effect);
 
   Spec spec = whole ? reader.read(root) : reader_.reread(root, changed);
@@ -125,6 +118,21 @@ Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
   return root;
 }
 
+SpecOverrides without(SpecOverrides overrides, std::size_t i) {
+  overrides.values.erase(overrides.values.begin() + static_cast<std::ptrdiff_t>(i));
+  return overrides;
+}
+
+/// The spec with the first second of its motion at 1 kHz, or as many samples.
+Spec at_the_beginning(Spec spec) {
+  constexpr double samples = 1000;
+  if (!spec.motion) return spec;
+  Motion& m = *spec.motion;
+  m.duration = std::min(m.duration, samples / m.sample_rate);
+  if (m.settling) m.settling = std::min(*m.settling, 0.5 * m.duration);
+  return spec;
+}
+
 /// A report of a spec as if no value had been set, which the report would print; empty if it cannot be made.
 std::optional<std::string> text_of(const ReportText& report, Spec spec) {
   spec.overrides.clear();
@@ -135,23 +143,24 @@ std::optional<std::string> text_of(const ReportText& report, Spec spec) {
   }
 }
 
-/// Reports of the spec with all overrides, each made once.
-class Reports {
+/// The report of the spec with all overrides, made once.
+class ReportOfAll {
  public:
-  Reports(const Spec& spec, const std::vector<ReportText>& reports)
-      : spec_(spec), reports_(reports), texts_(reports.size()) {}
+  ReportOfAll(const Spec& spec, const ReportText& report) : spec_(spec), report_(report) {}
 
-  /// Whether the values or all reports are those of the spec without an override. A spec that cannot be read
+  /// Whether the values or the report are those of the spec without an override. A spec that cannot be read
   /// or evaluated without it needs it.
-  bool show_no_change(const SpecOverrides& all, const SpecOverrides& others) {
+  bool shows_no_change(const SpecOverrides& all, const SpecOverrides& others) {
+    if (!report_) return false;
     try {
       if (mean_the_same(changed_tree(spec_, all), changed_tree(spec_, others))) return false;
-      const Spec without = parse_spec(spec_.text, spec_.file, others);
-      for (std::size_t i = 0; i < reports_.size(); ++i) {
-        if (!texts_[i]) texts_[i] = text_of(reports_[i], spec_);
-        if (*texts_[i] != text_of(reports_[i], without)) return false;
+      const Spec before = parse_spec(spec_.text, spec_.file, others);
+      if (spec_.motion) {  // the quick question first
+        if (!begin_) begin_ = text_of(report_, at_the_beginning(spec_));
+        if (*begin_ != text_of(report_, at_the_beginning(before))) return false;
       }
-      return !reports_.empty() && *texts_.back();
+      if (!whole_) whole_ = text_of(report_, spec_);
+      return *whole_ && *whole_ == text_of(report_, before);
     } catch (const Error&) {
       return false;
     }
@@ -159,27 +168,23 @@ class Reports {
 
  private:
   const Spec& spec_;
-  const std::vector<ReportText>& reports_;
-  std::vector<std::optional<std::optional<std::string>>> texts_;
+  const ReportText& report_;
+  std::optional<std::optional<std::string>> begin_, whole_;
 };
 
 }  // namespace
 
 std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
                                         const std::vector<std::string_view>& unused,
-                                        const std::vector<ReportText>& reports) {
+                                        const ReportText& report) {
   std::vector<std::string> warnings;
-  Reports compared(spec, reports);
+  ReportOfAll compared(spec, report);
   for (std::size_t i = 0; i < overrides.values.size(); ++i) {
     const std::string& key = overrides.values[i].first;
-    const std::string section = key.substr(0, key.find_first_of(".["));
-    if (std::find(unused.begin(), unused.end(), section) != unused.end()) {
+    const std::string section = section_of(key);
+    if (contains(unused, section))
       warnings.push_back("--set " + key + ": this command does not use " + section);
-      continue;
-    }
-    SpecOverrides others = overrides;
-    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
-    if (compared.show_no_change(overrides, others))
+    else if (compared.shows_no_change(overrides, without(overrides, i)))
       warnings.push_back("--set " + key + " changes no figure of this report");
   }
   return warnings;
@@ -198,13 +203,11 @@ void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
   for (std::size_t i = 0; i < overrides.values.size(); ++i) {
     const auto& [key, value] = overrides.values[i];
     if (!key.starts_with("encoders.")) continue;
-    SpecOverrides others = overrides;
-    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
     std::vector<std::string> governed;
     bool governs = true;
     try {
-      const Spec without = parse_spec(spec.text, spec.file, others);
-      const auto &encoders = spec.model.transmission.encoders, &before = without.model.transmission.encoders;
+      const Spec rest = parse_spec(spec.text, spec.file, without(overrides, i));
+      const auto &encoders = spec.model.transmission.encoders, &before = rest.model.transmission.encoders;
       for (std::size_t j = 0; j < encoders.size() && encoders.size() == before.size(); ++j)
         if (!same(encoders[j], before[j]))
           governed.push_back(chosen(j) ? spec.model.chain.independent[j].name : "");
@@ -232,8 +235,7 @@ void refuse_chosen_filters(const Spec& spec, const SpecOverrides& overrides) {
   for (std::size_t i = 0; i < overrides.values.size(); ++i) {
     const std::string& key = overrides.values[i].first;
     if (!key.starts_with("filters.")) continue;
-    SpecOverrides others = overrides;
-    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    const SpecOverrides others = without(overrides, i);
     bool governs = true;
     try {
       std::ignore = parse_spec(spec.text, spec.file, others);

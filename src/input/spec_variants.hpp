@@ -21,7 +21,6 @@ class SpecVariants {
   /// @throws Error like `parse_spec`, whose spec is `base`
   SpecVariants(const std::string& text, const std::string& path, const SpecOverrides& overrides = {});
 
-  /// The spec without a change.
   const Spec& base() const { return base_; }
 
   /// The spec with further changes, made like those of --set, together with these; its `sweep` and `design`
@@ -45,18 +44,16 @@ class SpecVariants {
 /// Adds an entry to `effects:` of a spec's tree; one of the same type and joint is replaced.
 void add_effect(Node& root, const Node& effect);
 
-/// What a report says of a spec, as text.
 using ReportText = std::function<std::string(const Spec&)>;
 
 /// Warnings of overrides that change nothing of a report: it is compared with that of the spec without them,
 /// one by one. An override that repeats the value which holds is not warned of.
-/// @param spec     as `parse_spec` returns it with the overrides
-/// @param unused   sections of the spec that the command does not use
-/// @param reports  the quickest first: the next is asked where this one shows no change. None: only
-///                 overrides of unused sections are found
+/// @param spec    as `parse_spec` returns it with the overrides
+/// @param unused  sections of the spec that the command does not use
+/// @param report  none: only overrides of unused sections are found
 std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides&,
                                         const std::vector<std::string_view>& unused,
-                                        const std::vector<ReportText>& reports);
+                                        const ReportText& report = {});
 
 /// Refuses overrides of encoders and of low-passes all of which the section `design` chooses.
 /// @pre spec.design

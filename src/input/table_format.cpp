@@ -16,10 +16,8 @@ namespace {
 
 constexpr std::size_t most_sampled = 200;  // lines that decide on a format: more cannot change it much
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// A line of the sample.
 struct SampleLine {
   std::string_view text;
   std::size_t offset = 0;
@@ -27,32 +25,15 @@ struct SampleLine {
   bool comment = false;
 };
 
-/// The end of a record from `at` on: a line end outside of quotation marks, which open behind a separator.
-std::size_t end_of_record(std::string_view head, std::size_t at) {
-  const std::size_t line_end = std::min(head.find('\n', at), head.size());
-  bool quoted = false, starts = true;
-  std::size_t closed = head.size();  // a quotation mark behind this one is a doubled one
-  for (std::size_t i = at; i < head.size(); ++i) {
-    const char c = head[i];
-    if (c == '"' && quoted) {
-      quoted = false, closed = i;
-    } else if (c == '"' && (starts || closed + 1 == i)) {
-      quoted = true, starts = false;
-    } else if (c == '\n' && !quoted) {
-      return i;
-    } else if (!quoted) {
-      starts = c == ',' || c == ';' || c == '\t' || (starts && c == ' ');
-    }
-  }
-  return quoted ? line_end : head.size();
-}
-
 std::vector<SampleLine> lines_of(std::string_view head) {
   std::vector<SampleLine> lines;
   int number = 1;
   for (std::size_t at = 0; at < head.size() && lines.size() < most_sampled;) {
     const bool comment = head[at] == '#';
-    const std::size_t end = comment ? std::min(head.find('\n', at), head.size()) : end_of_record(head, at);
+    const RecordEnd record = find_record_end(head.substr(at), ",;\t");
+    const bool by_line = comment || record.open != std::string_view::npos;
+    const std::size_t end =
+        by_line ? std::min(head.find('\n', at), head.size()) : std::min(record.at, head.size() - at) + at;
     const std::string_view text = head.substr(at, end - at);
     if (!trimmed(text).empty()) lines.push_back({text, at, number, comment});
     number += 1 + static_cast<int>(std::count(text.begin(), text.end(), '\n'));
@@ -68,7 +49,7 @@ std::vector<std::string_view> cells_by(std::string_view line, char separator) {
   const auto separates = [&](char c) { return c == separator || (separator == ' ' && c == '\t'); };
   if (separator == ' ') line = trimmed(line);
   for (std::size_t at = 0;; ++at) {
-    while (at < line.size() && is_space(line[at]) && (separator == ' ' || !separates(line[at]))) ++at;
+    while (at < line.size() && is_blank(line[at]) && (separator == ' ' || !separates(line[at]))) ++at;
     std::size_t end = at;
     if (end < line.size() && line[end] == '"') end = std::min(line.find('"', at + 1), line.size() - 1) + 1;
     while (end < line.size() && !separates(line[end])) ++end;
@@ -293,6 +274,26 @@ bool is_hexadecimal(std::string_view text) {
 }
 
 }  // namespace
+
+RecordEnd find_record_end(std::string_view text, std::string_view separators) {
+  constexpr std::size_t none = std::string_view::npos;
+  bool quoted = false, starts = true;
+  std::size_t opened = none, closed = none;  // behind a closed one another one is doubled
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' && quoted) {
+      quoted = false, closed = i;
+    } else if (c == '"' && (starts || closed + 1 == i)) {
+      if (starts) opened = i;
+      quoted = true, starts = false;
+    } else if (c == '\n' && !quoted) {
+      return {i, none};
+    } else if (!quoted) {
+      starts = separators.find(c) != none || (starts && is_blank(c));
+    }
+  }
+  return {none, quoted ? opened : none};
+}
 
 std::string_view bare_cell(std::string_view cell) {
   cell = trimmed(cell);

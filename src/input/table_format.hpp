@@ -33,6 +33,17 @@ struct TableFormat {
 /// @param head  UTF-8; its last line may be cut off
 TableFormat recognize_table(std::string_view head);
 
+/// A blank within or around a cell; also the carriage return before a line feed.
+inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/// The end of a record, which begins a text: its first line end outside of quotation marks, which open behind
+/// a separator. Both are npos if there is none.
+struct RecordEnd {
+  std::size_t at;
+  std::size_t open;  ///< the quotation mark that is not closed
+};
+RecordEnd find_record_end(std::string_view text, std::string_view separators);
+
 /// A cell without the blanks and quotation marks around it.
 std::string_view bare_cell(std::string_view cell);
 

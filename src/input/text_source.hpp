@@ -29,7 +29,6 @@ class ByteSource {
   /// Bytes read so far.
   std::uint64_t position() const { return position_; }
 
-  /// The name used in messages.
   const std::string& name() const { return name_; }
 
  private:
@@ -67,7 +66,6 @@ class LineLayout {
   const std::vector<std::string>& labels() const { return labels_; }
   /// "labels before the values", for a report; "" if it is plain.
   std::string description() const;
-  /// The character by which lines end.
   char line_end() const { return returns_ ? '\r' : '\n'; }
 
   /// Makes a line, its end included, one of cells.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/lists.hpp"
 #include "input/urdf_reader.hpp"
 
 namespace qerr {
@@ -214,16 +215,10 @@ void Outliner::malformed() {
 }  // namespace
 
 const UrdfAttribute* UrdfElement::attribute(std::string_view wanted) const {
-  for (const UrdfAttribute& a : attributes)
-    if (a.name == wanted) return &a;
-  return nullptr;
+  return find_named(attributes, wanted);
 }
 
-const UrdfElement* UrdfElement::child(std::string_view wanted) const {
-  for (const UrdfElement& c : children)
-    if (c.name == wanted) return &c;
-  return nullptr;
-}
+const UrdfElement* UrdfElement::child(std::string_view wanted) const { return find_named(children, wanted); }
 
 std::string UrdfElement::title() const {
   const UrdfAttribute* given = attribute("name");

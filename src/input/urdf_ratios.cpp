@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
 #include "input/urdf_reader.hpp"
@@ -123,9 +124,8 @@ void UrdfReader::warn_of_unused_ratios(const Reductions& stated) {
     const auto found = stated.find(w.joint.name);
     if (found == stated.end() || is_placeholder(w.joint.stated_ratio.value_or(1))) continue;
     const auto coupling =
-        std::find_if(model.couplings.begin(), model.couplings.end(), [&](const StatedCoupling& c) {
-          return std::find(c.joints.begin(), c.joints.end(), w.joint.name) != c.joints.end();
-        });
+        std::find_if(model.couplings.begin(), model.couplings.end(),
+                     [&](const StatedCoupling& c) { return contains(c.joints, w.joint.name); });
     if (!w.joint.mimic && coupling == model.couplings.end()) continue;
     flaws_.concern_joint(w.joint.name);
     flaws_.warn(*found->second.front(), "joint " + qerr::quoted(w.joint.name),
@@ -157,7 +157,7 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
     const std::string name = word_of(child, "name");
     const auto at = joint_index_.find(name);
     if (at != joint_index_.end() && written[at->second].joint.type != JointType::fixed &&
-        std::find(moved.begin(), moved.end(), name) == moved.end())
+        !contains(moved, name))
       moved.push_back(name);
   }
   if (moved.empty()) {
@@ -282,7 +282,7 @@ std::string UrdfReader::obstacle_to_coupling(const StatedCoupling& stated) const
       return qerr::quoted(name) + " is a " +
              (joint.mimic ? "mimic" : std::string(joint_type_name(joint.type))) + " joint";
     for (const StatedCoupling& other : model.couplings)
-      if (std::find(other.joints.begin(), other.joints.end(), name) != other.joints.end())
+      if (contains(other.joints, name))
         return qerr::quoted(name) + " is in " + qerr::quoted(other.transmission) + ", too";
   }
   return "";
@@ -410,11 +410,10 @@ void warn_of_stated_ratios(const RobotModel& robot, Spec& spec) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < spec.model.chain.independent.size(); ++i) {
     const IndependentJoint& joint = spec.model.chain.independent[i];
-    if (std::find(coupled.begin(), coupled.end(), joint.name) != coupled.end()) continue;
-    const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
-                                      [&](const Joint& j) { return j.name == joint.name; });
-    const std::string found = contradiction(*in_urdf, spec.model.transmission.encoders[i],
-                                            spec.encoder_figures[i], joint.prismatic());
+    if (contains(coupled, joint.name)) continue;
+    const std::string found =
+        contradiction(*find_named(robot.joints, joint.name), spec.model.transmission.encoders[i],
+                      spec.encoder_figures[i], joint.prismatic());
     if (found.empty()) continue;
     if (++count <= most_contradictions) text += (text.empty() ? "" : ", ") + found;
   }

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
@@ -305,7 +306,7 @@ void UrdfReader::read_robot(const UrdfElement& root) {
   model.name = name ? name->value : "";
   const UrdfAttribute* version = root.attribute("version");
   static const Names versions = {"1", "1.0", "1.1", "1.2"};
-  if (version && std::find(versions.begin(), versions.end(), version->value) == versions.end())
+  if (version && !contains(versions, version->value))
     refuse(root, "unknown version of URDF", quoted(version->value), "known: 1.0, 1.1, 1.2");
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
@@ -93,9 +94,7 @@ struct Vocabulary {
   std::string_view element;
   Names many, once, whole, ignored, attributes;
 
-  static bool has(const Names& names, std::string_view name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  }
+  static bool has(const Names& names, std::string_view name) { return contains(names, name); }
 };
 
 /// The row of an element; null if the element has none.

@@ -41,7 +41,6 @@ std::string displaced(const std::string& numbers, const Eigen::Vector3d& by) {
   return out;
 }
 
-/// Displaces the <origin> of a joint, or gives it one.
 void displace(std::string& text, const UrdfElement& joint, const Eigen::Vector3d& by) {
   const UrdfElement* origin = joint.child("origin");
   const UrdfAttribute* xyz = origin ? origin->attribute("xyz") : nullptr;

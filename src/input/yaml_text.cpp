@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
@@ -226,7 +227,7 @@ class Rewriter {
     }
     for (const auto& [key, value] : have.entries) {
       const std::string below = path.empty() ? key.name : path + '.' + key.name;
-      const bool replaced = std::find(replaced_.begin(), replaced_.end(), below) != replaced_.end();
+      const bool replaced = contains(replaced_, below);
       if (replaced && !same_value(value, *want.find(key.name))) drop_comments(key, value, below);
     }
   }

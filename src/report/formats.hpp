@@ -66,9 +66,7 @@ RowsOf<Spec> rows(Of<Spec>);
 
 RowsOf<Interval> rows(Of<Interval>);
 
-/// The rows of a matrix.
 std::vector<std::vector<double>> nested(const Eigen::MatrixXd&);
-/// Values of the independent joints by their names.
 std::vector<std::pair<std::string, double>> by_joint(const Spec&, const Eigen::VectorXd& values);
 
 /// `qerr`, `command`.

@@ -68,7 +68,6 @@ Schema one_of(const std::vector<std::string>& words);
 Schema numbers_or_null();        ///< a list
 Schema named_numbers_or_null();  ///< an object with any names
 
-/// A member of an object.
 struct MemberRow {
   std::string name, meaning = {};
   Presence presence = Presence::required;
@@ -98,7 +97,6 @@ template <class T>
 concept Text = std::convertible_to<const T&, std::string_view> && !std::same_as<T, Json>;
 template <class T>
 concept List = !Text<T> && !std::same_as<T, Json> && std::ranges::input_range<const T>;
-/// Values by names.
 template <class T>
 concept Map = List<T> && requires(std::ranges::range_value_t<const T> entry) {
   entry.second;
@@ -113,7 +111,6 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 template <class Source>
 struct RowsOf;
 
-/// A row of the objects of a source.
 template <class Source>
 struct RowOf : MemberRow {
   /// @param getter   of the value; or the rows of an object that has the same source

@@ -14,7 +14,6 @@ constexpr std::size_t most_columns = 72;  // a wider picture shows no more of so
 constexpr std::size_t least_columns = 12;
 constexpr double tick_distance = 8;  // columns between the ticks of the abscissa
 
-/// Characters of a picture.
 struct Glyphs {
   const char *point, *line, *both, *rise, *axis, *tick, *corner, *across, *across_tick;
 };

@@ -195,12 +195,6 @@ std::string listed(const std::vector<std::string>& items) {
   return text;
 }
 
-bool add_once(std::vector<std::string>& list, const std::string& item) {
-  if (std::find(list.begin(), list.end(), item) != list.end()) return false;
-  list.push_back(item);
-  return true;
-}
-
 void add_to_group(ItemGroups& groups, const std::string& name, const std::string& item) {
   auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == name; });
   if (group == groups.end()) group = groups.insert(group, {name, {}});

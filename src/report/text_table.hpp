@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "qerr/report/write.hpp"
 
@@ -38,7 +37,6 @@ std::string wrapped_table(const TableRows& rows, std::size_t width, const std::s
 std::vector<std::string> aligned_lines(const TableRows& rows, const std::string& indent = "  ");
 std::string aligned(const TableRows& rows, const std::string& indent = "  ");
 
-/// The lines of a text, without their line breaks.
 std::vector<std::string> lines_of(std::string_view text);
 
 /// A fraction in percent, with three significant digits: `12.3 %`; `<0.001 %` and `>10000 %` beyond these
@@ -67,39 +65,10 @@ std::string shortened(const std::string& name, std::size_t width);
 /// `a, b and c`.
 std::string listed(const std::vector<std::string>& items);
 
-/// `a, b, c`. @param text  of an item
-template <class Items, class Text = std::identity>
-std::string joined(const Items& items, std::string_view separator = ", ", const Text& text = {}) {
-  std::string out;
-  bool first = true;
-  for (const auto& item : items) {
-    if (!std::exchange(first, false)) out += separator;
-    out += std::invoke(text, item);
-  }
-  return out;
-}
-
-/// Appends an item that the list does not have yet. @returns whether it has none
-bool add_once(std::vector<std::string>& list, const std::string& item);
-
 /// Items by what they have in common, in the order in which that was first met.
 using ItemGroups = std::vector<std::pair<std::string, std::vector<std::string>>>;
 /// Adds an item once to the group of that name.
 void add_to_group(ItemGroups& groups, const std::string& name, const std::string& item);
-
-/// The names of rows, such as those of a family.
-template <class Rows>
-std::vector<std::string> names_of(const Rows& rows) {
-  std::vector<std::string> names;
-  for (const auto& row : rows) names.emplace_back(row.name);
-  return names;
-}
-
-/// Appends the items of another list.
-template <class T>
-void append(std::vector<T>& to, std::vector<T> items) {
-  to.insert(to.end(), std::make_move_iterator(items.begin()), std::make_move_iterator(items.end()));
-}
 
 /// A table of figures that fits the terminal: the first column to the left, the others to the right. Where it
 /// would be wider, the words of its header are stacked; where that is not enough, further columns follow in a

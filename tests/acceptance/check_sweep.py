@@ -12,6 +12,7 @@ import os
 import pathlib
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -241,15 +242,21 @@ def check_errors(t, qerr, spec, whole, folder):
     expect(t, "--wide in JSON", run(qerr, "sweep", spec, "--wide", "--format", "json"), 2, words=["--wide", "CSV"])
 
     target = folder / "resumed.csv"
-    part = whole.read_bytes()[: whole.stat().st_size // 2]
     other = spec.with_name("other.yaml")
     other.write_text(spec.read_text().replace("values: [30, 80]", "values: [30, 81]"))
+    run(qerr, "sweep", "-q", spec, "-o", target)
+    t.check("the file has its record", "user.qerr" in os.listxattr(target), "the folder of temporary files keeps no extended attributes")
     for name, words in (("another seed", [spec, "--seed", "7"]), ("other statistics", [spec, "--statistics", "max"]), ("another shard", [spec, "--shard", "2/3"]),
                         ("other values", [other]), ("--wide", [spec, "--wide"]), ("another count", [spec, "--set", "configurations.count=999"])):
-        target.write_bytes(part)
         ran = run(qerr, "sweep", "-q", *words, "-o", target, "--resume")
         expect(t, f"resume with {name}", ran, 3, words=["resumed.csv", "--resume"])
-        t.check(f"resume with {name}: the file is as before", target.read_bytes() == part)
+        t.check(f"resume with {name}: the file is as before", same(whole, target))
+    copied = folder / "copied.csv"
+    copied.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2].replace(b"max", b"min"))
+    target.unlink()
+    shutil.copyfile(copied, target)  # bytes only, no note
+    ran = run(qerr, "sweep", spec, "-o", target, "--resume")
+    t.check("resume of a copy: all variants anew, and said", ran.code == 0 and same(whole, target) and b"computed anew" in ran.err, ran.err.decode())
     target.write_text("key,value\nx,3\n")
     expect(t, "resume of a file that is no sweep", run(qerr, "sweep", "-q", spec, "-o", target, "--resume"), 3, words=["resumed.csv"])
     expect(t, "an output that is the spec", run(qerr, "sweep", "-q", spec, "-o", spec), 2)

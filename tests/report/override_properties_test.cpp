@@ -159,7 +159,7 @@ RC_GTEST_PROP(OverrideProperties, AnOverrideChangesTheReportOrIsSaidToChangeNoth
   try {
     const Spec spec = disk.read(set);
     const auto idle = idle_overrides(spec, set, {"requirements", "threshold", "sweep", "design"},
-                                     {[](const Spec& some) { return figures_of_some(some, 1); }});
+                                     [](const Spec& some) { return figures_of_some(some, 1); });
     const auto written = [&](const char* given) { return disk.text.find(given) != std::string::npos; };
     const bool changed = report_of(spec) != before;
     const bool said = idle.size() == 1 && idle[0].starts_with("--set " + key);

@@ -293,10 +293,7 @@ std::string link_to(std::string_view name, const std::string& shown) {
   return "<a href=\"" + html_file(name) + "\">" + shown + "</a>";
 }
 
-bool is_page(std::string_view name) {
-  const std::vector<std::string> names = page_names();
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+bool is_page(std::string_view name) { return contains(page_names(), name); }
 
 /// Code that is `qerr help NAME` leads to that page.
 std::string inline_html(const std::string& text) {

@@ -124,8 +124,7 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         "roll and yaw: the samples come within " +
         shortest(std::round(10 * std::asin(w.smallest_cosine_of_pitch) * 180 / std::numbers::pi) / 10) +
         " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
-  const bool pitch =
-      std::find(coordinates.begin(), coordinates.end(), Coordinate::pitch) != coordinates.end();
+  const bool pitch = contains(coordinates, Coordinate::pitch);
   if (pitch && w.smallest_cosine_of_pitch < gimbal_lock)
     warnings.emplace_back(
         "pitch: a sample is at the gimbal lock (pitch = +-90 deg), where pitch has no rate, and its figures "
@@ -289,10 +288,6 @@ std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) 
   }
   return sums;
 }
-
-}  // namespace
-
-namespace {
 
 /// Every encoder's part of the variance, with the effects of its joint along a motion, which are not sources
 /// of the model: at the tip they have the column of the counts, in the ratio of their variance to Delta^2/12.

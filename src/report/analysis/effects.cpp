@@ -210,7 +210,6 @@ class EffectsInMotion {
             .sigma_ratios = std::vector<double>(filters_.size(), 0.0)};
   }
 
-  /// An error that is tied to the counts.
   void tie(const EffectShare& s, IndependentError& source) {
     const double step = spec_.model.transmission.encoders[s.joint].resolution;
     source.in_counts =

@@ -126,9 +126,6 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
 
 namespace {
 
-std::string unit_in_brackets(const std::string& unit) { return " [" + unit + ']'; }
-
-/// The figures of the columns.
 std::vector<FigureName> figures_of(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   std::vector<FigureName> figures = all_figures(spec);
   std::erase_if(figures, [&](const FigureName& name) {
@@ -151,9 +148,9 @@ std::vector<std::string> per_configuration_names(const Spec& spec,
                                                  const std::vector<Eigen::VectorXd>& noise) {
   std::vector<std::string> names, positions;
   for (const IndependentJoint& joint : spec.model.chain.independent)
-    names.push_back(joint.name + unit_in_brackets(joint.prismatic() ? "m" : "rad"));
+    names.push_back(joint.name + (joint.prismatic() ? " [m]" : " [rad]"));
   for (const FigureName& name : figures_of(spec, noise)) {
-    names.push_back(name.quantity() + unit_in_brackets(name.unit));
+    names.push_back(name.quantity() + " [" + name.unit + ']');
     if (name.signal == "position") positions.push_back(names.back().substr(name.signal.size() + 1));
   }
   names.insert(names.end(), positions.begin(), positions.end());  // the names before version 2
@@ -186,10 +183,7 @@ std::vector<double> per_configuration_numbers(const Spec& spec, const std::vecto
 }
 
 std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
-  std::string out;
-  for (const std::string& name : per_configuration_names(spec, noise))
-    out += (out.empty() ? "" : ",") + csv_cell(name);
-  return out + "\r\n";
+  return joined(per_configuration_names(spec, noise), ",", csv_cell) + "\r\n";
 }
 
 std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,

@@ -48,7 +48,6 @@ struct SingleFigure {
 /// Those that the analysis has.
 std::vector<SingleFigure> single_figures(const Analysis&);
 
-/// The header of the analysis in CSV.
 inline constexpr std::string_view analysis_csv_header = "signal,filter,coordinate,unit,bound,statistic,value";
 
 /// Every kind, in the order of reports.

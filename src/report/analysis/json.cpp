@@ -53,7 +53,6 @@ std::string coordinate_of(const Signal& s) {
   return is_closed(s) ? s.name.substr(s.kind->group.size() + 1) : s.name;
 }
 
-/// The signals that the filter passes.
 std::vector<Derivative> passed(const FilteredTip& f) {
   std::vector<Derivative> all;
   for (const Derivative& d : items_of(f.whole.workspace.derivatives[f.i], f))

@@ -153,7 +153,7 @@ void add_proofs(Analysis& a, const ProofRequest& request, unsigned threads) {
   for (const Requirement& r : a.spec.requirements) {
     if (!r.proven) continue;
     const Figure figure = proven_figure(r, a.spec.model);
-    if (std::find(figures.begin(), figures.end(), figure) == figures.end()) figures.push_back(figure);
+    add_once(figures, figure);
   }
   if (figures.empty()) return;
   const ProofOptions options{.gap = request.gap,

@@ -20,7 +20,6 @@ namespace qerr {
 
 namespace {
 
-/// The largest worst case of a coordinate, behind a filter or not.
 double largest(const Workspace& w, std::ptrdiff_t filter, std::size_t coordinate) {
   if (filter < 0) return w.coordinates[coordinate].worst_case.max;
   const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(filter)][coordinate];
@@ -119,6 +118,18 @@ Analysis analysis_of_some(const Spec& spec, unsigned threads) {
   return analyze(brief, options);
 }
 
+namespace {
+
+/// Changes of these are changes, also where the figures of some configurations do not show them.
+std::string extent_of(const Spec& spec) {
+  std::string text = std::to_string(size(spec.configurations));
+  if (spec.motion)
+    text += ' ' + shortest(spec.motion->duration) + ' ' + shortest(spec.motion->settling.value_or(-1));
+  return text;
+}
+
+}  // namespace
+
 std::string verdicts_of_some(const Spec& spec, unsigned threads) {
   const Analysis a = analysis_of_some(spec, threads);
   const std::vector<RequirementResult> results = requirement_results(a);
@@ -128,14 +139,11 @@ std::string verdicts_of_some(const Spec& spec, unsigned threads) {
     text += r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit) + ": " +
             shortest(results[i].value) + '\n';
   }
-  return text + std::to_string(size(spec.configurations));
+  return text + extent_of(spec);
 }
 
-namespace {
-
-std::string figures_in(const Spec& spec, unsigned threads, const char* format) {
-  std::string text =
-      write(analysis_of_some(spec, threads), format) + std::to_string(size(spec.configurations));
+std::string figures_of_some(const Spec& spec, unsigned threads, const std::string& format) {
+  std::string text = write(analysis_of_some(spec, threads), format) + extent_of(spec);
   for (const NamedFilter& f : spec.filters)
     for (const FilterFigure& figure : filter_figures())
       text += shortest(figure.value(f.filter, f.norms).value_or(0)) + ' ';
@@ -143,14 +151,6 @@ std::string figures_in(const Spec& spec, unsigned threads, const char* format) {
     text += '\n' + r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit);
   return text;
 }
-
-}  // namespace
-
-std::string swept_figures_of_some(const Spec& spec, unsigned threads) {
-  return figures_in(spec, threads, "csv");
-}
-
-std::string figures_of_some(const Spec& spec, unsigned threads) { return figures_in(spec, threads, "json"); }
 
 std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) {
   constexpr std::uint64_t quick = 1'000'000;  // configurations

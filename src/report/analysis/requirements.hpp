@@ -46,11 +46,9 @@ Analysis analysis_of_some(const Spec&, unsigned threads);
 /// @throws Error (input) if they cannot be judged
 std::string verdicts_of_some(const Spec&, unsigned threads);
 
-/// The figures that `sweep` gives of a variant, at some configurations.
-std::string swept_figures_of_some(const Spec&, unsigned threads);
-
-/// Everything that `analyze` and `check` say of a spec, at some configurations.
-std::string figures_of_some(const Spec&, unsigned threads);
+/// What `analyze` and `check` say of a spec, at some configurations.
+/// @param format  csv: the figures that `sweep` gives of a variant
+std::string figures_of_some(const Spec&, unsigned threads, const std::string& format = "json");
 
 /// The requirements of a spec for a page about something else: empty if they cannot be judged, or not in a
 /// second.

@@ -49,7 +49,6 @@ struct DrawnPose {
   Eigen::Matrix3d box;  ///< columns: half edges of the worst case
 };
 
-/// The model with x, y and z alone.
 OperationalModel of_position(OperationalModel model) {
   model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
   model.lengths.clear();
@@ -91,7 +90,6 @@ page::Series outline(const DrawnPose& pose, std::array<int, 2> rows, double fact
   return s;
 }
 
-/// The edges of the box of the worst case.
 page::Series edges(const DrawnPose& pose, std::array<int, 2> rows, double factor) {
   page::Series s{"worst case, " + significant(factor, 6) + " times larger", {}};
   // A path along all twelve edges of a cube; bit k of a corner is the side along axis k.
@@ -128,7 +126,6 @@ std::string views(const DrawnPose& pose, double factor) {
   return out + "</div>";
 }
 
-/// The configuration of the sample with the median variance of the position.
 const Eigen::VectorXd& median_configuration(const ConfigurationSample& sample) {
   std::vector<std::size_t> order(sample.trace.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

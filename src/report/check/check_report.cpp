@@ -315,7 +315,6 @@ std::string fleet_table(const CheckReport& report) {
   return page::table(heads, cells);
 }
 
-/// What all specs of a fleet have in common.
 std::string fleet_block(const CheckReport& report) {
   std::string set;
   if (!report.specs.empty())

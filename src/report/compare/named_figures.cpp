@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/core/error.hpp"
@@ -264,9 +265,8 @@ void read_origin(const ReportMember& report, NamedFigures& to) {
 
 void read_report(const Json& json, const std::string& command, NamedFigures& to) {
   const ReportMember report(json, to.file);
-  const auto row = std::find_if(std::begin(comparable_commands), std::end(comparable_commands),
-                                [&](const ComparableCommand& c) { return c.name == command; });
-  if (row == std::end(comparable_commands))
+  const auto* const row = find_named(comparable_commands, command);
+  if (!row)
     throw report.at("command").fault("only reports of analyze, check and filter can be compared",
                                      quoted(command), "write one with: qerr analyze SPEC -o FILE.json");
   read_origin(report, to);

@@ -22,7 +22,6 @@ constexpr double none = std::numeric_limits<double>::infinity();
 constexpr double millionth = 1e-6;
 constexpr double highest_budget = 1e12;  ///< no design costs more
 
-/// The work of `qerr design` on one spec.
 class DesignJob {
  public:
   DesignJob(const SpecVariants& variants, const DesignOptions& options)
@@ -436,7 +435,6 @@ class DesignJob {
     }
   }
 
-  /// The finest design at the cost of the one found.
   void add_point(const DesignFindings& found, DesignQuery query, std::size_t p) {
     bool proven = found.proven;
     query.most = found.best[0].cost;

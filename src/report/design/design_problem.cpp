@@ -31,7 +31,6 @@ Node with_requirements(const SpecVariants& variants, const std::vector<Node>& mo
   return list;
 }
 
-/// What an option costs, with its encoder at the joint.
 void set_figures(PricedOption& o, const Spec& spec, std::size_t joint) {
   const double whole = spec.model.chain.independent[joint].prismatic() ? 1 : 2 * std::numbers::pi;
   o.bits = std::log2(whole / spec.model.transmission.encoders[joint].resolution);

@@ -106,7 +106,6 @@ double ratio_limit(const Requirement&, double limit);
 /// @throws Error (input)
 void require_limit_of_control(const Requirement&, const Spec&);
 
-/// An option of a joint with its price.
 struct PricedOption {
   EncoderOption option;
   std::shared_ptr<const Spec> variant = nullptr;  ///< the base with it; null: too many to keep
@@ -163,7 +162,6 @@ class DesignProblem {
   /// The problem with these filters in place of the spec's. It borrows the columns of this object.
   ChoiceProblem problem(const FilterSet&);
 
-  /// The spec with a choice.
   Spec variant(const OptionChoice&, const FilterSet&) const;
   std::vector<SpecChange> changes(const OptionChoice&) const;
   std::vector<Node> effects(const OptionChoice&) const;
@@ -264,7 +262,6 @@ class DesignSolver {
   /// it.
   std::optional<FoundDesign> least(const std::vector<DesignGoal>&, DesignQuery&, bool& proven);
 
-  /// Whether the filters of a set meet the limits of their figures.
   bool filters_meet(std::size_t set, const std::vector<double>& limits) const;
   double value(const FoundDesign& d, std::size_t requirement) const { return largest(d, {{requirement, 1}}); }
   /// Largest value over its scale.

@@ -219,7 +219,6 @@ void require_few(std::size_t sets, const Place& place, const std::string& key) {
                 counted(sets, "combination"), "narrow families, orders, cut-offs or gains");
 }
 
-/// All sets with each value of a gain.
 void vary_gains(std::vector<FilterSet>& sets, const GainOptions& options, const Spec& spec) {
   require_few(sets.size() * options.values.size(), options.place, "design.gains");
   std::vector<FilterSet> all;

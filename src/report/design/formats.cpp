@@ -45,10 +45,7 @@ std::string filter_sentence(const DesignedFilter& f) {
 std::vector<std::string> gain_sentences(const DesignReport& report, const Design& d) {
   ItemGroups joints_by_gain;
   for (const DesignedGain& g : d.gains) {
-    const auto& joints = report.spec.model.chain.independent;
-    const bool prismatic = std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& j) {
-      return j.name == g.joint && j.prismatic();
-    });
+    const bool prismatic = find_named(report.spec.model.chain.independent, g.joint)->prismatic();
     const std::string text = g.key + ' ' + significant(g.value, 4) + (prismatic ? " N" : " N m") +
                              (g.key == "kd" ? " s" : "") + (prismatic ? "/m" : "/rad");
     add_to_group(joints_by_gain, text, shown(g.joint));
@@ -409,7 +406,6 @@ using ReportedDesign = In<Design, DesignReport>;
 using ReportedRequirement = In<RequirementResult, ReportedDesign>;
 using Best = DesignedFilter::BestLinear;
 
-/// The name of the option by joint.
 std::map<std::string, std::map<std::string, double>> gains_by_joint(const Design& d) {
   std::map<std::string, std::map<std::string, double>> all;
   for (const DesignedGain& g : d.gains) all[g.joint][g.key] = g.value;

@@ -115,9 +115,8 @@ std::string verdict_words(const DiagnosisReport& r) {
 namespace {
 
 bool is_coordinate(const Cause& c, const std::string& parameter) {
-  const auto& rows = effect_kind(c.effect.type).parameters;
-  return std::any_of(rows.begin(), rows.end(),
-                     [&](const Parameter& p) { return p.name == parameter && p.coordinate; });
+  const Parameter* const row = find_named(effect_kind(c.effect.type).parameters, parameter);
+  return row && row->coordinate;
 }
 
 /// A coordinate also in arc units and in counts; a phase without its interval, which --details has.
@@ -260,8 +259,7 @@ std::vector<std::string> hidden_lines(const Diagnosis& d) {
   std::vector<std::pair<std::string, std::string>> groups;  // joint, reason
   for (const Visible& v : d.visible) {
     const std::pair<std::string, std::string> group{v.joint, v.hidden_by};
-    if (!std::isfinite(v.smallest) && std::find(groups.begin(), groups.end(), group) == groups.end())
-      groups.push_back(group);
+    if (!std::isfinite(v.smallest) && !contains(groups, group)) groups.push_back(group);
   }
   std::vector<std::string> out;
   for (const auto& [joint, reason] : groups) {

@@ -36,7 +36,6 @@ std::string figure_unit(const Spec& spec, const Unidentified& u, const std::stri
 
 namespace {
 
-/// A log without its values.
 Log described(const Log& log) {
   return {log.file,      log.columns,      log.rows,     log.first_time,
           log.last_time, log.time_origin,  log.warnings, {},
@@ -107,9 +106,7 @@ bool is_filter(const Effect& e) {
 
 std::string free_name(const Spec& spec, const std::vector<AddedFilter>& added, const std::string& wanted) {
   const auto taken = [&](const std::string& name) {
-    const auto has = [&](const auto& f) { return f.name == name; };
-    return std::any_of(spec.filters.begin(), spec.filters.end(), has) ||
-           std::any_of(added.begin(), added.end(), has);
+    return find_named(spec.filters, name) || find_named(added, name);
   };
   std::string name = wanted;
   for (int i = 2; taken(name); ++i) name = wanted + '_' + std::to_string(i);

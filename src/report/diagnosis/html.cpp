@@ -223,7 +223,6 @@ void sort_by_interest(std::vector<ResidualPicture>& all) {
   });
 }
 
-/// Joints that are drawn, and the intervals of their lines.
 struct Extent {
   std::size_t joints, intervals;
 };
@@ -355,7 +354,6 @@ std::string parameters_part(const DiagnosisReport& r) {
   return page::table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows);
 }
 
-/// What no cause explains.
 std::string remainder_part(const DiagnosisReport& r) {
   std::string out = page::list(remainder_lines(r.diagnosis)), curves;
   const bool marks = has_few_curves(r.diagnosis);

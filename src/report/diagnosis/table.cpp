@@ -365,7 +365,6 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// A scale of an axis, and its name.
 struct AxisUnit {
   double factor = 1;  ///< of the unit shown, in SI units
   std::string name;

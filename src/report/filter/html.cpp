@@ -50,11 +50,6 @@ struct ScannedFilter {
   double delay = 0, h2 = 0;
 };
 
-bool has_parameter(const FilterFamily& family, std::string_view name) {
-  return std::any_of(family.parameters.begin(), family.parameters.end(),
-                     [&](const Parameter& p) { return p.name == name; });
-}
-
 /// Cut-offs in equal ratios, the same ones in every scan, with three digits such as 158 Hz. A design takes a
 /// third of a millisecond: five a decade keep the page below 0.3 s.
 std::vector<double> cutoffs_between(double least, double most) {
@@ -70,7 +65,7 @@ std::vector<double> cutoffs_between(double least, double most) {
 void scan_family(const FilterFamily& family, int derivative, double sample_rate,
                  const std::vector<double>& cutoffs, std::vector<ScannedFilter>& to) {
   for (const int order : {1, 2, 4}) {
-    if (order > 1 && !has_parameter(family, "order")) break;
+    if (order > 1 && !find_named(family.parameters, "order")) break;
     for (const double cutoff : cutoffs) {
       const std::optional<Filter> filter =
           low_pass(std::string(family.name), order, cutoff, derivative, sample_rate);
@@ -108,7 +103,7 @@ std::vector<ScannedFilter> front_of(const std::vector<const FilterFigures*>& fil
   least = std::max(least, 1e-3 * most);
   std::vector<ScannedFilter> all;
   for (const FilterFamily& family : filter_families())
-    if (has_parameter(family, "cutoff"))
+    if (find_named(family.parameters, "cutoff"))
       scan_family(family, like.derivative, like.sample_rate, cutoffs_between(least, most), all);
   for (const FilterFigures* f : filters)
     if (passes_slow_motion(f->filter))

@@ -37,7 +37,6 @@ std::string data_attribute(std::string_view name, double value);
 
 /// Axes of pictures.
 
-/// What an axis shows.
 struct AxisRange {
   std::string label;      ///< the quantity
   std::string unit = {};  ///< SI, without a prefix; "" for a pure number
@@ -96,7 +95,6 @@ Axis unrounded(const AxisRange&, double least, double largest);
 /// `data-abscissa` and `data-ordinate` from and to [SI], 1 for a logarithmic axis, and the unit [SI].
 std::string drawn_axes(const PictureFrame&);
 
-/// Text in the class of the style sheet.
 std::string drawn_text(double x, double y, std::string_view style, const std::string& text);
 
 /// A straight line, with further attributes.

@@ -27,7 +27,6 @@ struct Page {
   std::string about = {};                      ///< markup below the answer (report/analysis/tables.hpp)
   std::string report = {};                     ///< JSON of the command, for scripts that read the page
 
-  /// A further section, unless it is empty.
   void add(const std::string& heading, const std::string& body) {
     if (!body.empty()) sections.push_back({heading, body});
   }

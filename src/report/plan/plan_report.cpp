@@ -286,7 +286,7 @@ std::string summary(const PlanReport& r) {
   TableRows rows{{"joint", "readings", "effects", "identifiable", "better motion"}};
   for (std::size_t j = 0; j < p.joints.size(); ++j) {
     const PlannedJoint& joint = p.joints[j];
-    const bool changed = std::find(p.changed.begin(), p.changed.end(), j) != p.changed.end();
+    const bool changed = contains(p.changed, j);
     rows.push_back({shown(joint.joint), significant(std::round(joint.readings), 6),
                     joint.moves ? std::to_string(families({joint}).size()) : "",
                     joint.moves ? std::to_string(named_count(joint)) : "not moving: no verdict",

@@ -296,7 +296,6 @@ std::string chosen_ends(const RobotReport& report) {
          (report.tip == first.tip ? "" : " --tip " + shell_word(escaped(report.tip)));
 }
 
-/// What to type next.
 std::string next_step(const RobotReport& report, std::size_t width) {
   if (report.tip.empty())
     return wrapped("No chain can be analyzed: " + report.obstacle, width, "  ", "", LongWords::cut);

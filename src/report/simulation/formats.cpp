@@ -210,11 +210,8 @@ const std::string& joint_of(const SimulationReport& r, const EstimatedVelocity& 
 
 /// Whether it times edges, beside effects that only estimators of counts see.
 bool sees_less(const Spec& spec, const EstimatedVelocity& e) {
-  return std::any_of(spec.estimators.begin(), spec.estimators.end(),
-                     [&](const EstimatorDesign& d) {
-                       return d.name == e.estimator && estimator_kind(d.kind).timed;
-                     }) &&
-         !estimator_warnings(spec).empty();
+  const EstimatorDesign* const design = find_named(spec.estimators, e.estimator);
+  return design && estimator_kind(design->kind).timed && !estimator_warnings(spec).empty();
 }
 
 std::vector<std::string> cells_of(const SimulationReport& r, const EstimatedVelocity& e) {

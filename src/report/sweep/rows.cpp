@@ -97,7 +97,6 @@ std::vector<WideCell> cells_of(const SpecCheck& check, const std::vector<const S
   return cells;
 }
 
-/// Columns in the order in which variants bring them.
 class WideColumns {
  public:
   WideColumns(const SweepGrid& grid, const SpecVariants& variants,
@@ -316,19 +315,17 @@ SweepJson sweep_json(const SpecVariants& variants, const SweepGrid& grid) {
 
 Json sweep_schema() { return schema_of<SweepHead>(); }
 
-namespace {
-
-/// Words that the table can stack: of a dotted path each.
-std::string stacked(std::string path) {
+std::string in_words(std::string path) {
   std::replace(path.begin(), path.end(), '.', ' ');
-  return shown(path);
+  return path;
 }
 
-/// The headers of the figures, where the spec has no requirements.
+namespace {
+
 std::vector<std::string> headers(const Spec& spec) {
   std::vector<std::string> headers;
   if (!spec.requirements.empty()) {
-    for (const Requirement& r : spec.requirements) headers.push_back(stacked(r.name()));
+    for (const Requirement& r : spec.requirements) headers.push_back(shown(in_words(r.name())));
     headers.emplace_back("met");
     return headers;
   }
@@ -336,7 +333,7 @@ std::vector<std::string> headers(const Spec& spec) {
   for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
   for (const NamedFilter& f : spec.filters)
     for (const Signal& c : coordinates)
-      if (is_filtered(f, c)) headers.push_back(stacked(f.name) + ' ' + c.name + " sigma max");
+      if (is_filtered(f, c)) headers.push_back(shown(in_words(f.name)) + ' ' + c.name + " sigma max");
   return headers;
 }
 
@@ -346,7 +343,7 @@ SweepTable::SweepTable(const SpecVariants& variants, const SweepGrid& grid)
     : variants_(variants), grid_(grid) {
   std::vector<std::string>& header = cells_.emplace_back();
   header.emplace_back("variant");
-  for (const std::string& key : grid.keys()) header.push_back(stacked(key));
+  for (const std::string& key : grid.keys()) header.push_back(shown(in_words(key)));
   append(header, headers(variants.base()));
 }
 

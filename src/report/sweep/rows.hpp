@@ -42,6 +42,9 @@ struct SweepJson {
 };
 SweepJson sweep_json(const SpecVariants&, const SweepGrid&);
 
+/// A dotted path in words that a narrow column can break.
+std::string in_words(std::string path);
+
 /// A sweep as a table: one line a variant, with the requirements' values, or else the largest worst case of
 /// every coordinate and the largest sigma behind every filter.
 class SweepTable {

@@ -153,7 +153,7 @@ bool is_light(const SweepAxis& axis) {
   constexpr std::array<std::string_view, 6> light{"encoders",  "filters", "requirements",
                                                   "threshold", "motion",  "effects"};
   return std::all_of(axis.keys.begin(), axis.keys.end(), [&](const std::string& key) {
-    return std::find(light.begin(), light.end(), key.substr(0, key.find_first_of(".["))) != light.end();
+    return contains(light, key.substr(0, key.find_first_of(".[")));
   });
 }
 
@@ -276,7 +276,6 @@ void ColumnSweep::judge(SweptVariant& v) const {
 
 namespace {
 
-/// Variants that wait for their bounds.
 struct Waiting {
   std::vector<SweptVariant*> variants;
   std::vector<std::vector<Norms>> norms;

@@ -37,7 +37,6 @@ struct SweepColumn {
   /// texts, such as the family of a filter or a row of a catalogue.
   std::vector<double> values;
 
-  /// The key, with its unit in brackets if it has one.
   std::string header() const { return unit.empty() ? key : key + " [" + unit + ']'; }
 };
 
@@ -54,13 +53,11 @@ class SweepGrid {
   /// The keys that vary, in the order of the axes.
   std::vector<std::string> keys() const;
   const std::vector<SweepColumn>& columns() const { return columns_; }
-  /// The values of the keys, as reports name them.
   std::vector<std::string> names(std::uint64_t variant) const;
   /// `KEY = VALUE, KEY = VALUE` for messages. @param text  of a value's name
   std::string description(std::uint64_t variant,
                           const std::function<std::string(const std::string&)>& text = std::identity()) const;
 
-  /// The step of each axis in a variant.
   std::vector<std::size_t> steps(std::uint64_t variant) const;
   /// The spec with the chosen steps of the axes. @param steps  as of `steps`
   Spec spec(const SpecVariants&, const std::vector<std::size_t>& steps) const;
@@ -157,7 +154,6 @@ struct SweepCounts {
   std::uint64_t unjudged = 0;  ///< whose requirements were not evaluated
 };
 
-/// The outcome of a sweep.
 struct SweepOutcome {
   SweepCounts counts;
   std::vector<std::string> faults;  ///< of some variants that failed: number, values and fault

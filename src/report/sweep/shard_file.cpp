@@ -108,65 +108,44 @@ SweepCounts ShardFile::resume_marked(bool judged) {
 
 SweepCounts ShardFile::resume_noted(bool judged) {
   const std::optional<FileNote> note = note_of(file_.note());
-  trusted_ = note.has_value();
   if (note) refuse_other(note->record);
+  if (!file_.read(0, header_.size() + csv_line_break.size())
+           .starts_with(header_ + std::string(csv_line_break)))
+    refuse("the file has other columns than this sweep, or is none of qerr sweep", "", 1, begin_anew_remedy);
+  unknown_ = !note;
   if (note && !(judged && note->counts.unjudged > 0)) {
     constexpr std::uint64_t block = std::uint64_t{1} << 18;
-    while (size_ < note->size) {
-      const std::string text = file_.read(size_, std::min(block, note->size - size_));
+    Sha256 sum;
+    std::uint64_t size = 0;
+    while (size < note->size) {
+      const std::string text = file_.read(size, std::min(block, note->size - size));
       if (text.empty()) break;
-      sum_.add(text);
-      size_ += text.size();
+      sum.add(text);
+      size += text.size();
     }
-    if (size_ == note->size && sum_.digest() == note->sum) {
-      file_.cut(size_);
+    if (size == note->size && sum.digest() == note->sum) {
+      sum_ = sum;
+      size_ = size;
+      file_.cut(size);
       return note->counts;
     }
+    replaces_ = size == note->size;
   }
-  sum_ = {};
-  size_ = 0;
-  compared_ = 0;
-  put(header_);
+  begin_anew();
   return {};
-}
-
-std::string_view ShardFile::compared(std::string_view text) {
-  const std::string held = file_.read(*compared_, text.size());
-  const std::size_t same =
-      static_cast<std::size_t>(std::mismatch(held.begin(), held.end(), text.begin()).first - held.begin());
-  const std::string_view agreed = text.substr(0, same);
-  line_ += static_cast<std::uint64_t>(std::count(agreed.begin(), agreed.end(), '\n'));
-  *compared_ += same;
-  if (same == text.size()) return {};
-  const std::string rest = file_.read(*compared_, std::size_t{1} << 12);
-  if (!rest.empty()) {
-    if (*compared_ < header_.size())
-      refuse("the file has other columns than this sweep, or is none of qerr sweep", "", 1,
-             begin_anew_remedy);
-    // The end of a file that was torn may hold anything.
-    if (!trusted_ && !has_hidden(rest.substr(0, rest.find(csv_line_break))))
-      refuse("the file holds other figures than this sweep has", "", line_,
-             "the spec, a file that it names, an option or the version of qerr has changed, or the file: " +
-                 std::string(begin_anew_remedy));
-    replaces_ = true;
-  }
-  file_.cut(*compared_);
-  compared_.reset();
-  return text.substr(same);
 }
 
 void ShardFile::put(std::string_view text) {
   if (!marked_ && file_.regular()) sum_.add(text);
   size_ += text.size();
-  if (compared_) text = compared(text);
-  if (!text.empty()) file_.write(text);
+  file_.write(text);
 }
 
 void ShardFile::write(std::string_view lines, const SweepCounts& counts) {
   if (lines.empty()) return;
   lines.remove_suffix(csv_line_break.size());
   put(std::string(csv_line_break).append(lines));
-  if (!compared_ && steady_clock::now() - noted_ > note_interval) store_note(counts);
+  if (steady_clock::now() - noted_ > note_interval) store_note(counts);
   counts_ = counts;
 }
 
@@ -184,11 +163,6 @@ void ShardFile::close() {
   // The note is that of a file that goes on: without its last line break.
   const std::string note = text_of({size_, sum_.digest(), counts_, record_});
   put(csv_line_break);
-  if (compared_ && file_.read(*compared_, 1).size() > 0) {
-    if (!trusted_) refuse("the file has more variants than this sweep", "", line_, begin_anew_remedy);
-    file_.cut(*compared_);
-    replaces_ = true;
-  }
   if (!marked_) file_.set_note(note);
   file_.close();
 }

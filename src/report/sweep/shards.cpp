@@ -22,7 +22,7 @@ using Entries = std::vector<std::pair<std::string, std::string>>;
 
 /// A record must fit into the extended attribute of a file, of which 4 KB are common: that many names of
 /// files of at most that many bytes; more are one entry.
-constexpr std::size_t most_files = 24, longest_name = 60;
+constexpr std::size_t most_files = 24, longest_shown_name = 60;
 
 /// 64 bits: changes by accident or by a person are noticed, and nobody gains by hiding one.
 std::string fingerprint(const std::string& digest) { return digest.substr(0, 16); }
@@ -40,7 +40,7 @@ std::string fingerprint_of_file(const RunInput& input) {
 /// Printable ASCII without the characters that separate entries or cells.
 std::string plain(const std::string& text) {
   std::string out;
-  for (const char c : text.substr(0, longest_name))
+  for (const char c : text.substr(0, longest_shown_name))
     out += c < ' ' || c > '~' || std::string_view(",;=\"").find(c) != std::string_view::npos ? '_' : c;
   return out;
 }
@@ -152,16 +152,6 @@ std::optional<Shard> shard_of(std::string_view text) {
 
 }  // namespace
 
-bool has_hidden(std::string_view line) {
-  for (std::size_t at = 0; at < line.size();) {
-    const auto byte = static_cast<unsigned char>(line[at]);
-    const bool plain = 0x20 <= byte && byte < 0x7f;
-    if (!plain && hidden_length(line, at) > 0) return true;
-    at += plain ? 1 : utf8_length(line, at);
-  }
-  return false;
-}
-
 bool CsvLines::next() {
   constexpr std::size_t block_size = std::size_t{1} << 18;
   std::size_t end;
@@ -231,7 +221,6 @@ bool ShardLines::next() {
 
 namespace {
 
-/// The file of a shard.
 class ShardReader {
  public:
   explicit ShardReader(const std::string& path)
@@ -285,7 +274,6 @@ class ShardReader {
   ShardHeader header_;
 };
 
-/// All shards, by their numbers.
 class Shards {
  public:
   Shards(const std::vector<std::string>& files, const RunRecord* expected) {

@@ -43,9 +43,6 @@ class RunRecord {
 /// What ends a line of the CSV that qerr writes; no cell has one.
 inline constexpr std::string_view csv_line_break = "\r\n";
 
-/// Whether a line has characters that qerr does not write, as the end of a torn file may have.
-bool has_hidden(std::string_view line);
-
 /// The lines of a file that qerr has written, one after the other; a file is never held whole.
 class CsvLines {
  public:
@@ -131,7 +128,7 @@ SweepCounts merge_shards(const std::vector<std::string>& files, const RunRecord*
 /// What keeps rows of two sweeps apart is the record of the run (shards.hpp). A shard, which is a file
 /// for `qerr merge`, has it in its last column (shards.hpp). The table of a whole sweep is for its reader:
 /// its record, with a checksum of the bytes so far, is a note of the file (core/output_file.hpp). Where that
-/// is lost, `resume` compares the file with the variants as they are computed anew.
+/// is lost, all variants are computed anew.
 class ShardFile {
  public:
   /// @param header  without a line break
@@ -145,14 +142,13 @@ class ShardFile {
   /// @returns those that are kept; the following ones are to be written
   /// @throws Error (input), which names what differs, if the file is of another sweep
   SweepCounts resume(bool judged);
-  /// Whether what the file holds has no record, and is compared with what is written.
-  bool compares() const { return compared_.has_value() && !trusted_; }
+  /// Whether nothing said of which sweep the rows were that the file held.
+  bool unknown() const { return unknown_; }
   /// Whether rows that the file held, damaged or edited, were replaced.
   bool replaces() const { return replaces_; }
 
   /// Appends the lines of the next variants, each with its line break.
   /// @param counts  of all variants up to these
-  /// @throws Error (input) if the file holds other ones
   void write(std::string_view lines, const SweepCounts& counts);
   void close();
 
@@ -164,8 +160,6 @@ class ShardFile {
   [[noreturn]] void refuse(const std::string& rule, const std::string& found, std::uint64_t line,
                            const std::string& remedy) const;
   void put(std::string_view text);
-  /// Compares with what the file holds. @returns what of the text is left to be written
-  std::string_view compared(std::string_view text);
   void store_note(const SweepCounts&);
 
   GrowingFile file_;
@@ -173,10 +167,8 @@ class ShardFile {
   RunRecord record_;
   bool marked_;
   bool replaces_ = false;
-  bool trusted_ = true;                    ///< the file is of this sweep: what differs is replaced
-  std::optional<std::uint64_t> compared_;  ///< up to where the file agrees, while it is compared
-  std::uint64_t line_ = 1;                 ///< of that place
-  Sha256 sum_;                             ///< of all bytes up to the end
+  bool unknown_ = false;
+  Sha256 sum_;  ///< of all bytes up to the end
   std::uint64_t size_ = 0;
   SweepCounts counts_;  ///< of what is written
   std::chrono::steady_clock::time_point noted_, synchronized_;

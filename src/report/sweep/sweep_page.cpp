@@ -13,6 +13,7 @@
 #include "report/analysis/tables.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/sweep/rows.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -78,7 +79,6 @@ namespace {
 constexpr std::size_t most_lines = 4;  ///< with a limit as many as the page has styles of lines
 constexpr std::size_t most_bars = 20, point_bytes = 36, bar_bytes = 700;
 
-/// The number of the variant with these steps.
 std::uint64_t number_of(const SweepGrid& grid, const std::vector<std::size_t>& steps) {
   std::uint64_t number = 0;
   for (std::size_t a = 0; a < steps.size(); ++a) number = number * grid.axes()[a].steps.size() + steps[a];
@@ -164,7 +164,6 @@ namespace {
 
 constexpr std::size_t most_figures = 24;
 
-/// Whether the requirements of a variant are those of the spec.
 bool same_requirements(const Spec& a, const Spec& b) {
   return std::equal(a.requirements.begin(), a.requirements.end(), b.requirements.begin(),
                     b.requirements.end(), [](const Requirement& x, const Requirement& y) {
@@ -190,9 +189,7 @@ SweepPage::SweepPage(const SpecVariants& variants, const SweepGrid& grid) : vari
 void SweepPage::add_figures() {
   const Spec& spec = variants_.base();
   const auto add = [&](SweptQuantity f) {
-    const bool known = std::any_of(figures_.begin(), figures_.end(),
-                                   [&](const SweptQuantity& k) { return k.name == f.name; });
-    if (!known && figures_.size() < most_figures) figures_.push_back(std::move(f));
+    if (!find_named(figures_, f.name) && figures_.size() < most_figures) figures_.push_back(std::move(f));
   };
   for (std::size_t i = 0; i < spec.requirements.size(); ++i)
     add({spec.requirements[i].name(), spec.requirements[i].unit, static_cast<std::ptrdiff_t>(i)});
@@ -228,13 +225,25 @@ SweepPage::VariantFigures SweepPage::row(const SweptVariant& v) const {
   return row;
 }
 
+/// The requirement of the spec whose value the figure is; null for any other.
+const Requirement* SweepPage::required(const SweptQuantity& f) const {
+  return f.requirement < 0 ? nullptr
+                           : &variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+}
+
+/// @pre the variant is kept
+double SweepPage::value(std::size_t figure, std::uint64_t variant) const {
+  const std::vector<double>& values = kept_.at(variant).values;
+  return figure < values.size() ? values[figure] : NAN;
+}
+
 /// The largest part of a limit that a variant uses; empty where a requirement has none.
 std::optional<double> SweepPage::tightest(const VariantFigures& row) const {
   double largest = -1;
   for (std::size_t i = 0; i < std::min(figures_.size(), row.values.size()); ++i) {
-    if (figures_[i].requirement < 0) continue;
-    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(figures_[i].requirement)];
-    const auto part = part_of_limit(r, {.value = row.values[i]});
+    const Requirement* const r = required(figures_[i]);
+    if (!r) continue;
+    const auto part = part_of_limit(*r, {.value = row.values[i]});
     if (!part || !std::isfinite(*part)) return std::nullopt;
     largest = std::max(largest, *part);
   }
@@ -266,12 +275,6 @@ constexpr double wide_range = 20;
 std::string first_upper(std::string text) {
   if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
   return text;
-}
-
-/// Words that a narrow column can break: of a dotted path each.
-std::string in_words(std::string path) {
-  std::replace(path.begin(), path.end(), '.', ' ');
-  return path;
 }
 
 }  // namespace
@@ -319,8 +322,7 @@ std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) cons
   for (const DrawnVariants::Line& line : drawn.lines) {
     page::Series series{line.name, {}, marks <= most_marks};
     for (const std::uint64_t v : line.variants) {
-      const std::vector<double>& values = kept_.at(v).values;
-      const double y = figure < values.size() ? values[figure] : NAN;
+      const double y = value(figure, v);
       series.points.emplace_back(drawn.value(grid_, v), y);
       if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
     }
@@ -334,12 +336,10 @@ std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) cons
   }
   if (!(least <= largest)) return "<p>No variant that is drawn has this figure.</p>";
   plot.y.logarithmic = least > 0 && largest > wide_range * least;
-  if (f.requirement >= 0 && !limits_vary_) {
-    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+  if (const Requirement* const r = limits_vary_ ? nullptr : required(f))
     plot.series.push_back(
-        {std::string("required: at ") + (r.at_least ? "least " : "most ") + readable(r.limit, r.unit),
-         {{a.values[a.order.front()], r.limit}, {a.values[a.order.back()], r.limit}}});
-  }
+        {std::string("required: at ") + (r->at_least ? "least " : "most ") + readable(r->limit, r->unit),
+         {{a.values[a.order.front()], r->limit}, {a.values[a.order.back()], r->limit}}});
   return page::figure(plot);
 }
 
@@ -350,14 +350,11 @@ std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) co
   const std::size_t columns = drawn.lines.front().variants.size(), rows = drawn.lines.size();
   if (rows < 2 || columns > most_columns || rows * columns * figures_.size() > most_cells) return "";
   const SweptQuantity& f = figures_[figure];
-  const auto value = [&](std::uint64_t v) {
-    const std::vector<double>& values = kept_.at(v).values;
-    return figure < values.size() ? values[figure] : NAN;
-  };
   double least = INFINITY, largest = -INFINITY;
   for (const DrawnVariants::Line& line : drawn.lines)
     for (const std::uint64_t v : line.variants)
-      if (std::isfinite(value(v))) least = std::min(least, value(v)), largest = std::max(largest, value(v));
+      if (const double y = value(figure, v); std::isfinite(y))
+        least = std::min(least, y), largest = std::max(largest, y);
   if (!(least <= largest)) return "";
   const std::vector<std::string> keys = grid_.keys();
   const auto key =
@@ -365,13 +362,11 @@ std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) co
   std::vector<std::string> header{drawn.abscissa->key}, rows_of_cells;
   for (const std::uint64_t v : drawn.lines.front().variants)
     header.push_back(short_value(grid_.names(v)[key]));
-  const Requirement* limit = f.requirement >= 0 && !limits_vary_
-                                 ? &variants_.base().requirements[static_cast<std::size_t>(f.requirement)]
-                                 : nullptr;
+  const Requirement* const limit = limits_vary_ ? nullptr : required(f);
   for (const DrawnVariants::Line& line : drawn.lines) {
     std::string row = "<th scope=\"row\">" + page::name_markup(line.name) + "</th>";
     for (const std::uint64_t v : line.variants) {
-      const double y = value(v), part = largest > least ? (y - least) / (largest - least) : 0;
+      const double y = value(figure, v), part = largest > least ? (y - least) / (largest - least) : 0;
       const bool missed = limit && (limit->at_least ? y < limit->limit : y > limit->limit);
       row += std::isfinite(y)
                  ? "<td style=\"--p:" + significant(std::round(45 * part), 2) + "%\">" +
@@ -388,9 +383,8 @@ std::string SweepPage::bars(std::size_t figure, const DrawnVariants& drawn) cons
   const SweptQuantity& f = figures_[figure];
   page::Bars bars{f.name, "The figure of each variant.", {}, {"", f.unit}};
   for (const std::uint64_t v : drawn.lines.front().variants) {
-    const std::vector<double>& values = kept_.at(v).values;
-    if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
-      bars.bars.push_back({grid_.description(v), values[figure], readable(values[figure], f.unit)});
+    const double y = value(figure, v);
+    if (std::isfinite(y) && y >= 0) bars.bars.push_back({grid_.description(v), y, readable(y, f.unit)});
   }
   return bars.bars.empty() ? "<p>No variant that is drawn has this figure.</p>" : page::figure(bars);
 }
@@ -431,8 +425,8 @@ std::string SweepPage::table() const {
     std::vector<std::string> cells{std::to_string(variant)};
     for (const std::string& value : grid_.names(variant)) cells.push_back(short_value(value));
     for (std::size_t i = 0; i < shown_figures; ++i) {
-      const double value = i < row.values.size() ? row.values[i] : NAN;
-      cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
+      const double y = value(i, variant);
+      cells.push_back(std::isnan(y) ? "-" : readable(y, figures_[i].unit));
     }
     if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
     if (judged_ > 0 && best_ && !limits_vary_ && variant == best_->variant) cells.back() += ", wins";

@@ -42,7 +42,6 @@ struct DrawnVariants {
   std::uint64_t lines_in_all = 1;  ///< combinations of the other keys
   std::size_t points_in_all = 0;   ///< of a line
 
-  /// The value of a variant on the abscissa.
   double value(const SweepGrid&, std::uint64_t variant) const;
 };
 
@@ -83,6 +82,8 @@ class SweepPage {
 
   void add_figures();
   std::optional<double> tightest(const VariantFigures&) const;
+  const Requirement* required(const SweptQuantity&) const;
+  double value(std::size_t figure, std::uint64_t variant) const;
   std::string answer() const;
   std::string picture(std::size_t figure, const DrawnVariants&) const;
   std::string plot(std::size_t figure, const DrawnVariants&) const;

@@ -1,8 +1,3 @@
-#include "report/page/page.hpp"
-
-namespace qerr::page {
-
-const std::string_view script = R"js(
 'use strict';
 (function () {
 const all = (root, what) => Array.from(root.querySelectorAll(what));
@@ -612,6 +607,3 @@ function scene(box) {
 }
 all(document, '.scene').forEach(scene);
 })();
-)js";
-
-}  // namespace qerr::page
