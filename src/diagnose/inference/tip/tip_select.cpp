@@ -95,7 +95,8 @@ std::vector<TipTerm> tip_candidates(const TipModel& model) {
   const TipEvidence& e = model.evidence();
   std::vector<TipTerm> all = tip_terms(e, model.estimate());
   for (TipTerm& t : tilt_terms(model.nominal())) all.push_back(std::move(t));
-  if (e.ordered && e.rows() >= 500) {
+  constexpr Eigen::Index fewest_of_step = 100, fewest_of_order = 500;  // conventions
+  if (e.ordered && e.rows() >= fewest_of_step) {
     const Eigen::MatrixXd scores = encoder_scores(model);
     for (std::size_t i = 0; i < e.encoders.size(); ++i) {
       if (!e.judged(i)) continue;
@@ -103,6 +104,7 @@ std::vector<TipTerm> tip_candidates(const TipModel& model) {
       const Eigen::VectorXd score = scores.row(static_cast<Eigen::Index>(i));
       if (auto step = strongest_tip_step(own, score))
         all.push_back({TipTerm::Kind::encoder, std::move(*step), i});
+      if (e.rows() < fewest_of_order) continue;
       if (auto order = strongest_tip_order(own, score))
         all.push_back({TipTerm::Kind::encoder, std::move(*order), i});
     }
@@ -320,14 +322,12 @@ bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& 
              2.5 * options.least_amplitude;
 }
 
-/// A model's value, with what free frames and terms cost beyond their coefficients: many faults together are
-/// rarer than one.
+/// A model's value, with what free frames and terms cost beyond their coefficients.
 double value_with_penalties(const TipModel& m) {
   const Eigen::Index free = m.trial({}, {}).rank - m.size();
   // A frame displaces the first joint in all directions: of two that leave the same it is the simpler cause.
-  double cost = (m.frames().target ? unnamed_penalty + better_by : 0) +
-                (m.frames().base ? 0.5 * unnamed_penalty + better_by : 0);
-  for (const TipTerm& t : m.terms()) cost += penalty(m, t) + better_by;
+  double cost = (m.frames().target ? unnamed_penalty : 0) + (m.frames().base ? 0.5 * unnamed_penalty : 0);
+  for (const TipTerm& t : m.terms()) cost += penalty(m, t);
   return m.value(m.solution(), m.size() + free) - cost;
 }
 
@@ -404,8 +404,15 @@ TipModel best_tracked(const OperationalModel& model, const TipEvidence& e, std::
   if (!may_be_displaced(found, TipModel(model, e, {}, seed), options)) return found;
   options.tracker = true;
   TipModel more = grown(found, options), fresh = best_framed(model, e, {}, seed, options);
-  for (TipModel* other : {&more, &fresh})
-    if (value_with_penalties(*other) > value_with_penalties(found)) found = std::move(*other);
+  // Many faults that together imitate a tracker's are rarer than its one.
+  const auto value = [](const TipModel& m) {
+    return value_with_penalties(m) - better_by * static_cast<double>(m.terms().size());
+  };
+  for (TipModel* other : {&more, &fresh}) {
+    const bool displaced = std::any_of(other->terms().begin(), other->terms().end(),
+                                       [](const TipTerm& t) { return t.of_tracker(); });
+    if (displaced && value(*other) > value(found)) found = std::move(*other);
+  }
   return found;
 }
 
