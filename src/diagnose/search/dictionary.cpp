@@ -24,6 +24,13 @@ bool same_term(const Term& a, const Term& b) {
          (a.effect.numbers == b.effect.numbers || (linear && a.size() == b.size()));
 }
 
+/// A term that these rows do not offer: of other rows than its own it has nothing, but where another shape
+/// computes it anew.
+Term not_offered(const Term& t, const Sampling& s) {
+  const Eigen::Index rows = s.evidence.rows();
+  return t.reshaped || t.columns.rows() == rows ? t : with_columns(t, Eigen::ArrayXXd::Zero(rows, t.size()));
+}
+
 /// Geometric series from `low` to `high`.
 std::vector<double> series(double low, double high, int count) {
   std::vector<double> all;
@@ -92,7 +99,7 @@ class Candidates {
         if (place < all.size() && same_term(all[place], original)) return all[place];
         for (Term& fresh : all)
           if (same_term(fresh, original)) return fresh;
-        return original;
+        return not_offered(original, s);
       };
       if (t.reshaped) {
         add_reshaped(t, over);
@@ -141,7 +148,7 @@ class Candidates {
         for (Term& fresh : named_terms(s.evidence))
           if (same_term(fresh, original) && fresh.size() == original.size())
             return fresh.relinearized(s.evidence, fresh, p);
-        return original;
+        return not_offered(original, s);
       });
     }
   }

@@ -196,7 +196,8 @@ EffectKind compliance_effect() {
                       .fallback = 0.0},
                      {.name = "load_inertia",
                       .dimension = dimension::inertia,
-                      .meaning = "the link's, which loads the gear in place of the effort",
+                      .meaning = "the link's, which loads the gear in place of the effort; as found it "
+                                 "holds the drive's, too: the compliance is at least that found",
                       .fallback = 0.0,
                       .least = 0},
                      {.name = "load_moment",
@@ -221,8 +222,11 @@ EffectKind compliance_effect() {
                  e.number("compliance") * (m.effort - needed<double>(e, side, m.velocity, m.acceleration));
         };
       },
-      .share = [](const Effect& e, const Encoder&,
-                  const Usage& u) { return proportional(e.number("compliance"), u.effort); },
+      // A usage has no acceleration: an own load is known along a motion only.
+      .share = [](const Effect& e, const Encoder&, const Usage& u) -> std::optional<Share> {
+        if (has_own_load(e)) return std::nullopt;
+        return proportional(e.number("compliance"), u.effort);
+      },
       .need = Need::effort,
       .terms = terms,
       .replay = replay,

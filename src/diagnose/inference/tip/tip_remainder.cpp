@@ -228,13 +228,18 @@ std::vector<TipTerm> tracker_terms(const TipModel& m) {
 }
 
 void settle_knocks(TipModel& m) {
-  for (std::size_t i = 0; i < m.terms().size(); ++i) {
+  std::size_t moves = m.terms().size();  // a term that is moved becomes the last one, and is seen again
+  for (std::size_t i = 0; i < m.terms().size();) {
     const TipTerm& t = m.terms()[i];
-    if (!t.of_tracker() || t.where == 0) continue;
-    std::optional<TipTerm> other = knock(m, t.kind, m.in_base(m.trial({i}, {}).residual));
-    if (!other || other->where == t.where) continue;
-    const TipSolution s = m.trial({i}, m.columns(*other));
-    if (s.log_likelihood <= m.solution().log_likelihood) continue;
+    std::optional<TipTerm> other;
+    if (t.of_tracker() && t.where > 0) other = knock(m, t.kind, m.in_base(m.trial({i}, {}).residual));
+    TipSolution s;
+    if (other && other->where != t.where) s = m.trial({i}, m.columns(*other));
+    if (s.theta.size() == 0 || s.log_likelihood <= m.solution().log_likelihood || moves == 0) {
+      ++i;
+      continue;
+    }
+    --moves;
     const Eigen::VectorXd theta = s.theta.tail(other->size());
     m.exchange(i, std::move(*other), theta);
     m.fit();
