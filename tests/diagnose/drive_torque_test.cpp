@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "support/one_joint_record.hpp"
 
 namespace qerr {
@@ -86,6 +87,17 @@ TEST(DriveTorque, ThatFrictionHidesIsALoadByTheLinksMotion) {
     EXPECT_LT(times, 1.1 * compliance) << seed;
     EXPECT_GT(times, 0.9 * compliance * drive.inertia / (drive.inertia + drive.rotor)) << seed;
   }
+}
+
+/// A usage has no acceleration: the effort's range would be a bound that the motion exceeds.
+TEST(DriveTorque, DoesNotBoundAnOwnLoad) {
+  Usage usage;
+  usage.effort = Spread{-1, 1, 0, 1.0 / 3};
+  const EffectKind& kind = effect_kind("compliance");
+  EXPECT_NEAR(kind.share({"compliance", "q1", {{"compliance", 1e-5}}, {}}, {}, usage)->half_width, 1e-5,
+              1e-15);
+  for (const char* own : {"load_inertia", "load_moment"})
+    EXPECT_FALSE(kind.share({"compliance", "q1", {{"compliance", 1e-5}, {own, 10}}, {}}, {}, usage)) << own;
 }
 
 TEST(DriveTorque, OfAStiffGearIsNoFault) {

@@ -122,7 +122,7 @@ std::optional<Term> by_own_load(const RecordSignals& s, Eigen::ArrayXXd columns,
 
 /// By the effort as a load, and as the torque of a drive: also without its inertia, which is not told from
 /// the load's where nothing but inertia loads the joint. Friction that falls with the speed has a negative
-/// damping.
+/// damping. And by the link's own load, where the errors follow the acceleration.
 std::vector<Term> terms(const RecordSignals& s) {
   if (s.effort.size() == 0) return {};
   Term load = linear_term(s, "compliance", s.effort,
@@ -150,11 +150,13 @@ std::vector<Term> terms(const RecordSignals& s) {
 
 /// The side of friction as the terms have it.
 Eigen::ArrayXd replay(const Effect& e, const RecordSignals& s) {
-  if (s.effort.size() == 0) return {};
   const bool known = s.acceleration.size() > 0 && s.ordered;
-  if (!known) return e.number("compliance") * s.effort;
-  if (has_own_load(e))
+  if (has_own_load(e)) {
+    if (!known) return {};
     return e.number("compliance") * own_load<Eigen::ArrayXd>(e, s.joint_angle(), s.acceleration);
+  }
+  if (s.effort.size() == 0) return {};
+  if (!known) return e.number("compliance") * s.effort;
   return e.number("compliance") * (s.effort - needed<Eigen::ArrayXd>(e, side_of_friction(s.joint_rate()),
                                                                      s.joint_rate(), s.acceleration));
 }

@@ -81,10 +81,10 @@ struct TipEstimate {
   TipPose pose(const TipEvidence&, Eigen::Index row) const;
 };
 
-/// Of time, for a displacement of the tracker that changes slowly.
+/// The most polynomials of time that describe a displacement of the tracker along a coordinate.
 inline constexpr Eigen::Index most_polynomials = 9;
 
-/// Of one term at one pose: [m] per unit of its coefficients.
+/// Displacement of the tip at one pose by a unit of each coefficient of a term [m].
 using TipColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3 * most_polynomials>;
 
 /// A cause of an error of the tip.
@@ -98,7 +98,7 @@ struct TipTerm {
     tool,        ///< displaces the target in the tip's frame
     late,        ///< delays the readings of an encoder, or of all (`where`: the number of encoders)
     tracker,     ///< displaces the tracker in time, by each of the term's columns along each direction
-    target       ///< the same of its target, along axes of the tip
+    target       ///< displaces what is tracked in time, like `tracker`, along the axes of the tip
   };
   Kind kind = Kind::encoder;
   Term term;  ///< its effect and fill; of an encoder, the tracker or its target the columns too

@@ -65,7 +65,7 @@ Eigen::ArrayXd deviation_from(const RecordedVelocity& r, const Eigen::ArrayXd& o
   return r.velocity.tail(n) - output.head(n);
 }
 
-struct FilterCandidate {
+struct RecordedFilter {
   const FilterFamily* family = nullptr;
   int order = 0;
   double cutoff = 0;  ///< [Hz]
@@ -73,7 +73,7 @@ struct FilterCandidate {
   double misfit = 1e300;
 };
 
-Filter design(const FilterCandidate& c, double rate) {
+Filter design(const RecordedFilter& c, double rate) {
   FilterDesign d{1, rate, {{"order", c.order}, {"cutoff", c.cutoff}}, {}, {}};
   for (const Parameter& p : c.family->parameters)
     if (p.kind == Kind::choice && !p.choices.empty()) d.choices[std::string(p.name)] = choices_of(p)[0];
@@ -83,13 +83,13 @@ Filter design(const FilterCandidate& c, double rate) {
 /// Logarithm of the highest cut-off that is tried: just below half the sampling rate.
 double highest(const RecordedVelocity& r) { return std::log(0.45 / r.interval); }
 
-Eigen::ArrayXd filtered(const RecordedVelocity& r, const FilterCandidate& c) {
+Eigen::ArrayXd filtered(const RecordedVelocity& r, const RecordedFilter& c) {
   // Ten time constants of each of the filter's sections.
   const double memory = 10 * c.order / (2 * std::numbers::pi * c.cutoff * r.interval);
   return filtered(r, design(c, 1 / r.interval), static_cast<Eigen::Index>(std::min(2000.0, memory + 1)));
 }
 
-FilterCandidate with_cutoff(const RecordedVelocity& r, FilterCandidate c, double log_cutoff) {
+RecordedFilter with_cutoff(const RecordedVelocity& r, RecordedFilter c, double log_cutoff) {
   c.cutoff = std::exp(log_cutoff);
   c.misfit = rms(deviation_from(r, filtered(r, c), c.delay));
   return c;
@@ -97,46 +97,45 @@ FilterCandidate with_cutoff(const RecordedVelocity& r, FilterCandidate c, double
 
 /// Local search for the best cut-off, with relative steps that are halved from `first_step` down to
 /// `last_step`.
-FilterCandidate refined(const RecordedVelocity& r, FilterCandidate best, double first_step,
-                        double last_step) {
+RecordedFilter refined(const RecordedVelocity& r, RecordedFilter best, double first_step, double last_step) {
   for (double step = first_step; step > last_step; step /= 2)
     for (const double change : {-step, step})
       if (const double x = std::log(best.cutoff) + change; x <= highest(r))
-        if (const FilterCandidate next = with_cutoff(r, best, x); next.misfit < best.misfit) best = next;
+        if (const RecordedFilter next = with_cutoff(r, best, x); next.misfit < best.misfit) best = next;
   return best;
 }
 
 /// The best cut-off of one family and order, and its delay: on a coarse grid for each delay, then by local
 /// search.
-FilterCandidate best_cutoff(const RecordedVelocity& r, FilterCandidate c) {
-  std::array<FilterCandidate, 3> of_delays;
+RecordedFilter best_cutoff(const RecordedVelocity& r, RecordedFilter c) {
+  std::array<RecordedFilter, 3> of_delays;
   const double low = std::log(1 / (2000 * r.interval)), step = (highest(r) - low) / 14;
   for (double x = low; x <= highest(r) + 1e-9; x += step) {
     c.cutoff = std::exp(x);
     const Eigen::ArrayXd output = filtered(r, c);
     for (c.delay = 0; c.delay < 3; ++c.delay) {
       c.misfit = rms(deviation_from(r, output, c.delay));
-      FilterCandidate& best = of_delays[static_cast<std::size_t>(c.delay)];
+      RecordedFilter& best = of_delays[static_cast<std::size_t>(c.delay)];
       if (c.misfit < best.misfit) best = c;
     }
   }
-  for (FilterCandidate& best : of_delays)
+  for (RecordedFilter& best : of_delays)
     if (best.misfit < 1e300) best = refined(r, best, step / 2, 1e-3);
   return *std::min_element(of_delays.begin(), of_delays.end(),
                            [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
 }
 
 /// The filtered velocity's derivative by the logarithm of the cut-off.
-Eigen::ArrayXd sensitivity_to_cutoff(const RecordedVelocity& r, const FilterCandidate& c) {
+Eigen::ArrayXd sensitivity_to_cutoff(const RecordedVelocity& r, const RecordedFilter& c) {
   constexpr double change = 1e-4;
-  FilterCandidate other = c;
+  RecordedFilter other = c;
   other.cutoff *= 1 - change;
   return (filtered(r, c) - filtered(r, other)) / change;
 }
 
 /// The cut-off with its 95 % interval: residual rms over the sensitivity of the filtered velocity to the
 /// cut-off. Both are correlated over the filter's memory, 1/(2 pi cutoff).
-FoundParameter cutoff_parameter(const RecordedVelocity& r, const FilterCandidate& c) {
+FoundParameter cutoff_parameter(const RecordedVelocity& r, const RecordedFilter& c) {
   const double sensitivity = rms(sensitivity_to_cutoff(r, c)) / c.cutoff;
   const double memory = std::max(1.0, 1 / (2 * std::numbers::pi * c.cutoff * r.interval));
   const double residual = std::max(c.misfit, r.rounding_sigma);
@@ -146,14 +145,14 @@ FoundParameter cutoff_parameter(const RecordedVelocity& r, const FilterCandidate
 }
 
 /// Found from a section, and fitted to all rows by Gauss-Newton steps.
-FilterCandidate best_filter(const RecordedVelocity& r) {
+RecordedFilter best_filter(const RecordedVelocity& r) {
   constexpr Eigen::Index enough = 4096;  // twelve time constants of the lowest cut-off that is tried
   constexpr int most_steps = 8;
   const RecordedVelocity section = busiest(r, enough);
-  FilterCandidate best;
+  RecordedFilter best;
   for (const FilterFamily& family : filter_families())
     for (const int order : family.velocity_orders)
-      if (const FilterCandidate c = best_cutoff(section, {&family, order}); c.misfit < best.misfit) best = c;
+      if (const RecordedFilter c = best_cutoff(section, {&family, order}); c.misfit < best.misfit) best = c;
   if (best.misfit == 1e300) return best;
   best = with_cutoff(r, best, std::log(best.cutoff));
   for (int i = 0; i < most_steps; ++i) {
@@ -162,7 +161,7 @@ FilterCandidate best_filter(const RecordedVelocity& r) {
     const auto used = slope.head(deviation.size());
     const double x = std::log(best.cutoff) + (used * deviation).sum() / used.square().sum();
     if (!(x <= highest(r))) break;
-    const FilterCandidate next = with_cutoff(r, best, x);
+    const RecordedFilter next = with_cutoff(r, best, x);
     if (!(next.misfit < best.misfit)) break;
     best = next;
   }
@@ -198,7 +197,7 @@ bool follows_stamps(Sanity& s, const RecordedVelocity& r, std::size_t joint) {
 
 /// A velocity with more noise than the readings have behind the spec's filter: what no filter of them leaves,
 /// if it changes from row to row.
-void report_noise(Sanity& s, const RecordedVelocity& r, const FilterCandidate& best, const Filter& specified,
+void report_noise(Sanity& s, const RecordedVelocity& r, const RecordedFilter& best, const Filter& specified,
                   std::size_t joint) {
   constexpr double more = 2;  // a velocity of the drive's own, of finer readings, has less
   const Eigen::ArrayXd rest = deviation_from(r, filtered(r, best), best.delay);
@@ -252,7 +251,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
                            " Hz, the log at " + significant(1 / r.interval, 6) + " Hz: not compared");
     return;
   }
-  const FilterCandidate best = best_filter(r);
+  const RecordedFilter best = best_filter(r);
   if (best.misfit > 0.3 * specified || best.misfit > 0.3 * rms(r.velocity)) {
     report_noise(s, r, best, *closest, joint);
     return;
