@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effect/reading.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -15,12 +16,13 @@ bool at_joint(Stage stage) { return stage == Stage::clock || stage == Stage::lin
 
 double worst(const Share& s) { return std::abs(s.mean) + s.half_width; }
 
-/// The usage with an additional position error of at most `by`.
-Usage widened(Usage usage, double by) {
+/// The usage with an additional position error of at most `by`, of which `white` is independent from sample
+/// to sample.
+Usage widened(Usage usage, double by, double white) {
   if (usage.position) {
     usage.position->lower -= by;
     usage.position->upper += by;
-    usage.position->mean_square += by * (by + 2 * usage.position->rms());
+    usage.position->mean_square += (by - white) * (by - white + 2 * usage.position->rms());
   }
   return usage;
 }
@@ -91,22 +93,29 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   std::vector<EffectShare> shares;
   for (const Effect& e : effects) shares.push_back({e, independent_index(model.chain, e.joint), {}, false});
   const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
-  Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // worst case so far
+  // Worst case so far, and the white part of it.
+  Eigen::MatrixX2d at_joints = Eigen::MatrixX2d::Zero(n, 2), at_encoders = at_joints;
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
     const auto current = static_cast<Stage>(stage);
-    if (current == Stage::disc) at_encoders = model.transmission.coupling.inverse().magnitudes() * at_joints;
-    Eigen::VectorXd& before = at_joint(current) ? at_joints : at_encoders;
+    if (current == Stage::disc)
+      at_encoders = model.transmission.coupling.inverse().magnitudes().dense() * at_joints;
+    Eigen::MatrixX2d& before = at_joint(current) ? at_joints : at_encoders;
     for (EffectShare& s : shares) {
       const EffectKind& kind = effect_kind(s.effect.type);
       if (kind.stage != current) continue;
       const Usage& u = at_joint(current) ? usage.joints[s.joint] : usage.encoders[s.joint];
       const auto row = static_cast<Eigen::Index>(s.joint);
-      s.share = kind.share(s.effect, model.transmission.encoders[s.joint], widened(u, before[row]));
+      const Encoder& encoder = model.transmission.encoders[s.joint];
+      s.share = kind.share(s.effect, encoder, widened(u, before(row, 0), before(row, 1)));
       s.included = s.share && acts_on_robot(kind);
       if (s.share && s.share->step_at_reversal > 0 && !u.duration && u.position && u.velocity &&
           u.position->half_width() > 0)
         s.reversals = 0.5 * u.velocity->largest() / (2 * u.position->half_width());
-      if (s.included && current != Stage::kinematics) before[row] += worst(*s.share);
+      if (!s.included || current == Stage::kinematics) continue;
+      before(row, 0) += worst(*s.share);
+      if (s.share->spectrum != Spectrum::white) continue;
+      before(row, 1) += worst(*s.share);
+      s.multiplied = std::abs(multiplied_behind(current, s.effect.joint, effects, encoder));
     }
   }
   return shares;
@@ -150,7 +159,7 @@ std::vector<IndependentError> error_sources(const OperationalModel& model,
     }
     source.mean = s.share->mean;
     source.half_width = s.share->half_width;
-    source.sigma = s.share->sigma;
+    source.sigma = s.multiplied * s.share->sigma;
     for (std::size_t f = 0; f < norms.size(); ++f)
       source.sigma_ratios.push_back(sigma_ratio(
           s, norms[f], f < step_energies.size() ? std::optional(step_energies[f]) : std::nullopt));

@@ -50,6 +50,7 @@ double Effect::number(const std::string& name) const {
 }
 
 bool has_size(const Effect& effect) {
+  if (effect_kind(effect.type).jumps) return true;  // bit 0, stuck at 0
   return std::any_of(effect.numbers.begin(), effect.numbers.end(),
                      [](const auto& n) { return n.second != 0; });
 }

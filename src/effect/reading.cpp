@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "qerr/effect/effect_kind.hpp"
-
 namespace qerr {
 
 void add_to_reading(const Effect& e, const Encoder& encoder, LoopReading& r) {
@@ -26,6 +24,15 @@ void add_to_reading(const Effect& e, const Encoder& encoder, LoopReading& r) {
   }
   r.of_position += 0.5 * (most - least);
   r.slope += steepest * samples / period;
+}
+
+double multiplied_behind(Stage stage, const std::string& joint, const std::vector<Effect>& effects,
+                         const Encoder& encoder) {
+  LoopReading r;
+  for (const Effect& e : effects)
+    if (const EffectKind& kind = effect_kind(e.type); e.joint == joint && kind.stage > stage && kind.in_loop)
+      kind.in_loop(e, encoder, r);
+  return r.factor;
 }
 
 }  // namespace qerr

@@ -72,6 +72,8 @@ struct Term {
   /// search interval, and the same term at another value; null for a term without such a parameter.
   double shape = 0, half_width = 0;
   Term (*reshaped)(const RecordSignals&, const Term&, double shape) = nullptr;
+  /// The values of that parameter at which a record may have it; null: those of a time constant.
+  std::vector<double> (*shapes)(const RecordSignals&) = nullptr;
 
   /// The term linearized at other coefficients; null: it is linear.
   Term (*relinearized)(const RecordSignals&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;

@@ -8,6 +8,7 @@
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
 #include "input/spec_format.hpp"
+#include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"
 
@@ -178,10 +179,23 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
   }
 }
 
+/// Efforts that are no torques or forces, on a robot whose masses tell its loads: a compliance is per torque.
+void leave_out_currents(const std::string& path, Spec& spec, std::vector<RecordedSignal>& efforts) {
+  for (std::size_t i = 0; i < efforts.size(); ++i) {
+    const IndependentJoint& joint = spec.model.chain.independent[i];
+    const std::string unit = joint.prismatic() ? "N" : "N m";
+    if (efforts[i].values.size() == 0 || efforts[i].unit == unit) continue;
+    spec.warnings.push_back(path + ": '" + joint.name + ".effort' is in " + efforts[i].unit + ", not in " +
+                            unit + ": the load is that of the URDF's masses");
+    efforts[i] = {};
+  }
+}
+
 void read_table(const Field& f, const std::string& path, Spec& spec, Motion& motion) {
   const JointTable table = read_joint_table(path, spec, TimeColumn::required, spec.warnings);
   motion.file = path;
   motion.table = {table.time, table.positions, table.efforts, table.temperatures};
+  if (has_masses(spec.model.chain)) leave_out_currents(path, spec, motion.table.efforts);
   if (table.time.size() < 2)
     throw Error({path, table.lines.front(), 1}, "time", "a motion must have at least two rows", "one row",
                 "");

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/search.hpp"
+#include "effect/reading.hpp"
 
 namespace qerr {
 
@@ -96,13 +97,18 @@ CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect
     return independent_index(model.chain, effect.joint) == encoder;
   };
   std::vector<Action> line;
+  // What the decoder makes of it is counted below.
+  double of_disc = 1;
+  for (const Effect& effect : effects)
+    if (of_encoder(effect) && effect_kind(effect.type).stage == Stage::disc)
+      of_disc *= multiplied_behind(Stage::clock, effect.joint, {effect}, e);
   for (const Effect& effect : effects)
     if (const auto modify = effect_kind(effect.type).modify_encoder; modify && of_encoder(effect)) modify(e);
   for (const Effect& effect : effects) {
     const EffectKind& kind = effect_kind(effect.type);
     if (!counts_depend_on(kind) || !of_encoder(effect)) continue;
     if (kind.random() && kind.stage == Stage::clock)
-      jitter_ = std::hypot(jitter_, effect.number("sigma"));
+      jitter_ = std::hypot(jitter_, effect.number("sigma") * std::abs(of_disc));
     else if (kind.random())
       noise_ = std::hypot(noise_, effect.number("sigma") / e.resolution);
     else if (kind.stage == Stage::line)

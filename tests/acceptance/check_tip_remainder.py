@@ -145,12 +145,68 @@ def check_tracker(t, qerr, rng, folder, case):
                 abs((1 + found[0]) * (1 - scale) - 1) < 0.02 * scale and [u["joint"] for u in d["unexplained"]] == ["tip"], f"{said} {found}")
 
 
+def check_poses(t, qerr, rng, folder, case):
+    """Poses of an arm, few or with wrong ones; and motions of one whose encoder follows its neighbour, whose clock runs fast, whose link grows or
+    whose tracker stands elsewhere by less than its noise."""
+    a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(17, 19))
+    (folder / "arm.urdf").write_text(URDF.format(a=a, b=b))
+    (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
+    step, noise = 2 * math.pi / counts, rng.uniform(3e-5, 1e-4)
+
+    def tip(q, a=a, b=b):
+        return np.array([a * f(q[0]) + b * f(q[0] + q[1]) for f in (np.cos, np.sin)])
+
+    def diagnosed(read, tracked, time=None):
+        rows = np.vstack(([] if time is None else [time]) + [np.round(x / step) for x in read] + [*(tracked + noise * rng.standard_normal(tracked.shape))])
+        np.savetxt(folder / "log.csv", rows.T, "%.9f", ",", comments="",
+                   header=("" if time is None else "time [s],") + "q1.counts,q2.counts,tip.x [m],tip.y [m]")
+        d = json.loads(run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "--format", "json", "-q").out)
+        return d, [(c["effect"], c["joint"]) for c in d["causes"]], f"{d['verdict']} {d['causes']} {d['unexplained']} {d['data']}"
+
+    poses = rng.uniform(-2.5, 2.5, (2, 24))
+    d, named, said = diagnosed(poses, tip(poses))
+    t.check(f"{case}: 24 poses are enough to say that nothing is wrong", d["verdict"] == "nothing_wrong", said)
+    offset = 30 * noise / (a + b)
+    d, named, said = diagnosed(poses + [[offset], [0]], tip(poses))
+    t.check(f"{case}: and for an offset", ("offset", "q1") in named or any((x["effect"], x["joint"]) == ("offset", "q1") for x in d["alternatives"]), said)
+    poses = rng.uniform(-2.5, 2.5, (2, 45))
+    wrong = tip(poses)
+    wrong[:, rng.choice(45, 3, replace=False)] += rng.uniform(50, 5000) * noise
+    d, named, said = diagnosed(poses, wrong)
+    t.check(f"{case}: three wrong positions of 45 are told", not named and any(f["kind"] == "corrupt" for f in d["data"]), said)
+
+    time = np.arange(4000) / 200
+    q = np.array(motion(rng, time, 0.3))
+    factor = 30 * noise / (a + b) / np.std(q[1])
+    d, named, said = diagnosed([q[0] + factor * q[1], q[1]], tip(q), time)
+    found = [p["value"] for c in d["causes"] for p in c["parameters"] if p["name"] == "factor"]
+    t.check(f"{case}: q1 follows q2 by {factor:.6f}", named == [("coupling_error", "q1")] and abs(found[0] / factor - 1) < 0.05, said)
+    rate = 30 * noise / (a + b) / np.std(np.gradient(q[0], time)) / time[-1]
+    late = np.array([np.interp(time * (1 + rate), time, x) for x in q])
+    d, named, said = diagnosed(late, tip(q), time)
+    found = [p["value"] for c in d["causes"] for p in c["parameters"] if p["name"] == "rate"]
+    t.check(f"{case}: one clock runs fast by {rate:.2e}", named == [("clock_drift", "tip")] and abs(found[0] / rate - 1) < 0.1, said)
+    run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "-q", "--write-model", folder / "found.yaml", "--force")
+    (folder / "s.yaml").write_text((folder / "found.yaml").read_text())
+    d, named, said = diagnosed(late, tip(q), time)
+    t.check(f"{case}: and the written model knows it", d["verdict"] == "nothing_wrong", said)
+    (folder / "s.yaml").write_text(f"qerr: 1\nrobot: {{urdf: arm.urdf}}\nencoders: {{'*': {{counts_per_rev: {counts}}}}}\n")
+    grown = 40 * noise * (1 - np.exp(-time / rng.uniform(4, 12)))
+    d, named, said = diagnosed(q, tip(q, a=a + grown), time)
+    t.check(f"{case}: the first link grows", not named and [u["what"] for u in d["unexplained"]] == ["the link before q2 grows with time"], said)
+    away = noise * rng.choice([-1, 1], 2) * rng.uniform(0.4, 0.8, 2)
+    d, named, said = diagnosed(q, tip(q) + away[:, None], time)
+    t.check(f"{case}: a tracker that is displaced by less than its noise is told", d["verdict"] != "nothing_wrong" and
+            set(named) <= {("frame", "tip"), ("geometry", "q1")}, said)
+
+
 def main():
     arguments, qerr, t = study_and_tally(rounds=3)
     rng = np.random.default_rng(arguments.seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for round_ in range(arguments.rounds):
+            check_poses(t, qerr, np.random.default_rng([arguments.seed, round_]), folder, f"round {round_}, poses")
             check_tracker(t, qerr, rng, folder, f"round {round_}, a tracker")
             check_sag(t, qerr, rng, folder, f"round {round_}, under its weight")
             a, b, counts = rng.uniform(0.3, 0.8), rng.uniform(0.2, 0.6), int(2 ** rng.uniform(12, 17))

@@ -76,8 +76,8 @@ TEST(EffectShares, OfEveryEffectBoundItsSimulatedErrors) {
 /// The bounds are nearly attained by the largest error of several runs.
 TEST(EffectShares, AreNearlyAttainedBySimulatedErrors) {
   Dice dice(12);
-  const std::set<std::string_view> loose{"compliance", "geometry", "reference_error", "log_rounding",
-                                         "noise"};
+  const std::set<std::string_view> loose{"compliance",   "geometry", "reference_error",
+                                         "log_rounding", "noise",    "lost_counts"};
   for (const EffectKind& kind : effect_kinds()) {
     if (loose.contains(kind.name)) continue;
     double used = 0;
@@ -125,6 +125,7 @@ TEST(EffectShares, AreZeroForEffectsOfMagnitudeZero) {
   encoder.resolution = 1e-4;
   encoder.rounding = Rounding::down;  // so that truncation has no effect
   for (const EffectKind& kind : effect_kinds()) {
+    if (kind.name == "stuck_bit") continue;  // that of bit 0 at 0 has a size
     Effect none{std::string(kind.name), "elbow", {}, {}};
     for (const Parameter& p : kind.parameters)
       if (p.kind == Kind::number || p.kind == Kind::integer)

@@ -33,12 +33,14 @@ struct EffectShare {
   /// Without a motion: how often the joint turns round [1/s] if it goes from end to end of its range at half
   /// of its largest speed, the mean of uniform speeds. Empty: not known.
   std::optional<double> reversals = {};
+  /// By what later effects of the encoder (scale, decoding) multiply the error.
+  double multiplied = 1;
 };
 
 /// Shares of all effects, in the order given.
 ///
 /// Effects act in the order of `Stage`: the position range of an effect is widened by the worst case of the
-/// effects before it.
+/// effects before it, and its mean square by those of them that are not white: `multiplied` carries these.
 /// @throws std::out_of_range for an effect of a joint that is not in the chain
 std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vector<Effect>&,
                                        const RobotUsage&);
@@ -46,7 +48,8 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
 /// Error sources of the effects for `operational_error`, with their sigma ratios of the filters: ||H||_2 of
 /// white errors, |H(1)| of constant ones, unknown (NaN) of those that the motion determines, except of errors
 /// that only jump at reversals: a step g through a filter has the energy g^2 T sum s_k^2, s its step
-/// response. Shares that are not included or zero are skipped.
+/// response. Sigmas of white errors are multiplied by what follows them. Shares that are not included or zero
+/// are skipped.
 /// @param norms          one per filter
 /// @param step_energies  [filter]: T sum s_k^2 [s^(1 - 2d)]; empty: not known
 std::vector<IndependentError> error_sources(const OperationalModel&, const std::vector<EffectShare>&,

@@ -7,6 +7,7 @@
 #include "core/random.hpp"
 #include "core/statistics.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/chain.hpp"
 
@@ -284,6 +285,18 @@ std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, con
   add_coupled_effects(all, sane.model.transmission, found);
   find(true);
   return findings;
+}
+
+bool has_reversed_effort(const Evidence& e, std::uint64_t seed) {
+  constexpr double worth_a_search = 0.95;  // of the error's deviation, that the effort alone leaves
+  if (e.effort.size() == 0 || !e.driven || e.is_stationary()) return false;
+  const Eigen::ArrayXd error = e.measured - e.path;
+  const Line line = fit_line(e.effort, error);
+  if (line.slope >= 0 || line.residual_rms > worth_a_search * standard_deviation(error)) return false;
+  const std::vector<ChosenTerm> chosen = search_causes(e, seed).chosen;
+  return std::any_of(chosen.begin(), chosen.end(), [](const ChosenTerm& c) {
+    return c.candidate.term.effect.type == compliance_effect().name && c.coefficients[0] < 0;
+  });
 }
 
 }  // namespace qerr

@@ -57,6 +57,9 @@ struct Finding {
   Finding& operator=(const Finding&) = delete;
 };
 
+/// Whether the causes of an encoder's error have a gear that an effort deflects against itself.
+bool has_reversed_effort(const Evidence&, std::uint64_t seed);
+
 /// Every encoder by itself, side by side; then those that feel other joints too (coupling), with what was
 /// found at these.
 /// @param all  evidence of the repaired log, with the effects that the spec has

@@ -90,7 +90,8 @@ Evidence within_record(Evidence e, const std::vector<Effect>& effects) {
     const Action instant = effect_kind(effect.type).action(effect, e.encoder, 0);
     std::vector<Eigen::Index> rows;
     for (Eigen::Index k = 0; k < e.rows(); ++k)
-      if (const double t = instant(e.time[k], {}); t >= e.time[0] && t <= e.time[e.rows() - 1])
+      if (const double t = instant(e.time[k], Moment{.time = e.time[k]});
+          t >= e.time[0] && t <= e.time[e.rows() - 1])
         rows.push_back(k);
     if (static_cast<Eigen::Index>(rows.size()) < e.rows() && !rows.empty()) e = rows_of(e, rows);
   }

@@ -158,7 +158,8 @@ class CauseSearch {
       const bool table = model_->is_table(choice_.chosen[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
       const double size = standard_deviation(added(i));
-      const bool coarse = table || (incomplete && !t.named());
+      // A step is what it is: of any size, named or not.
+      const bool coarse = table || (incomplete && !t.named() && !t.step);
       worth = std::max(worth, (coarse ? material_part_of_table : material_part) * size);
       if (!table) of_shapes = std::max(of_shapes, material_part * size);
     }

@@ -101,6 +101,10 @@ class Candidates {
           if (same_term(fresh, original)) return fresh;
         return not_offered(original, s);
       };
+      if (t.shapes) {
+        add_at_shapes(t);
+        continue;
+      }
       if (t.reshaped) {
         add_reshaped(t, over);
         continue;
@@ -166,6 +170,24 @@ class Candidates {
         const Term fresh = original(s);
         return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
       });
+  }
+
+  /// A term with a parameter that the whole record tells.
+  void add_at_shapes(const Term& t) {
+    if (has_family(t.effect.type)) return;
+    std::vector<double> shapes;
+    for (const auto& [key, known] : histories_)
+      if (key.first == t.effect.type) shapes.push_back(key.second);
+    if (shapes.empty()) shapes = t.shapes(*s_.record);
+    for (const double shape : shapes)
+      add_history(t.effect.type, t.effect.type, shape, static_cast<double>(shapes.size()),
+                  [t, shape](const Sampling& s) {
+                    Term at = t.reshaped(*s.record, t, shape);
+                    Eigen::ArrayXXd columns(s.evidence.rows(), at.size());
+                    for (Eigen::Index i = 0; i < at.size(); ++i)
+                      columns.col(i) = s.averaged(at.columns.col(i));
+                    return with_columns(std::move(at), std::move(columns));
+                  });
   }
 
   bool has_family(const std::string& family) const {
@@ -243,8 +265,10 @@ class Candidates {
     if (others.empty() || !others_explain_all()) return;
     for (std::size_t i = 0; i < others.size(); ++i)
       add_history("coupling of " + others[i]->joint, "coupling", static_cast<double>(i),
-                  static_cast<double>(others.size()),
-                  [i](const Sampling& s) { return coupling_term(s, *s.record->others[i]); });
+                  static_cast<double>(others.size()), [i](const Sampling& s) {
+                    const Evidence& other = *s.record->others[i];
+                    return coupling_term(s.evidence, other.joint, s.averaged(other.path));
+                  });
   }
 
   /// Whether the angles of all joints leave next to nothing of the error, as a coupling's do. Joints that

@@ -118,10 +118,10 @@ Term loaded_order_term(const RecordSignals& s, double order) {
   return loaded;
 }
 
-Term coupling_term(const Sampling& s, const Evidence& other) {
-  Term t = linear_term(s.evidence, coupling_error_effect().name, s.averaged(other.path),
+Term coupling_term(const RecordSignals& s, const std::string& other, const Eigen::ArrayXd& path) {
+  Term t = linear_term(s, coupling_error_effect().name, path,
                        [](Effect& e, const Eigen::VectorXd& c) { e.numbers["factor"] = c[0]; });
-  t.effect.choices["of"] = other.joint;
+  t.effect.choices["of"] = other;
   return t;
 }
 

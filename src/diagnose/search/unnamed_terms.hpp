@@ -26,8 +26,8 @@ Term steady_change_term(const RecordSignals&);
 /// A sine of the joint's angle [periods per rad or m * 2 pi] whose amplitude is proportional to the effort.
 Term loaded_order_term(const RecordSignals&, double order);
 
-/// The angle of another joint: a coupling that the model does not have. The path is of its encoder.
-Term coupling_term(const Sampling&, const Evidence& other);
+/// The path of another joint: a coupling that the model does not have.
+Term coupling_term(const RecordSignals&, const std::string& other, const Eigen::ArrayXd& path);
 
 /// A vibration of one frequency [Hz].
 Term vibration_term(const RecordSignals&, double frequency);

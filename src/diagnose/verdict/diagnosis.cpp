@@ -12,8 +12,11 @@
 #include "core/text.hpp"
 #include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/tip/tip.hpp"
+#include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/verdict/cause_report.hpp"
 #include "diagnose/verdict/verdict.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -64,7 +67,8 @@ bool is_faultless(const Diagnosis& d) {
 
 namespace {
 
-constexpr Eigen::Index fewest_rows = 30;
+/// Of a tracked tip each coordinate of a pose is a reading.
+constexpr Eigen::Index fewest_rows = 30, fewest_tracked = 45;
 
 /// The columns of a log, without its rows.
 Log columns_of(const Log& log) {
@@ -74,8 +78,10 @@ Log columns_of(const Log& log) {
   return columns;
 }
 
-bool has_tip(const Log& log) {
-  return log.find(LogSignal::tip, 0) || log.find(LogSignal::tip, 1) || log.find(LogSignal::tip, 2);
+Eigen::Index tip_coordinates(const Log& log) {
+  Eigen::Index count = 0;
+  for (std::size_t i = 0; i < 3; ++i) count += log.find(LogSignal::tip, i).has_value();
+  return count;
 }
 
 /// The residual noise of a reference that hides all errors worth reporting [counts].
@@ -228,8 +234,10 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.data = std::move(sane.data);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
+  const Eigen::Index tracked = tip_coordinates(sane.log);
   const bool enough = sane.log.values.rows() >= fewest_rows;
-  if (!enough) {
+  const bool tip_enough = tracked > 0 && (enough || tracked * sane.log.values.rows() >= fewest_tracked);
+  if (!enough && !tip_enough) {
     const std::string has = "the log has " + counted(static_cast<std::size_t>(sane.log.values.rows()), "row"),
                       remedy = "record " + std::to_string(fewest_rows) +
                                " at the very least, some thousand with the joints in motion";
@@ -241,8 +249,14 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   const std::map<std::string, double> noise = reference_noise(all);
   const std::optional<std::string> noisy = too_noisy(all);
   const bool joints_judged = !all.empty();
+  if (!has_masses(sane.model.chain))
+    for (Evidence& e : all)
+      if (has_reversed_effort(e, options.seed)) {
+        e.effort *= -1;
+        d.data.push_back(sanity::reverse_effort(sane, static_cast<std::size_t>(e.number)));
+      }
   // From here on, the first pose and a tracked tip are all that is needed of the log itself.
-  if (!has_tip(sane.log) && enough) sane.log.values = sane.log.values.topRows<1>().eval();
+  if (tracked == 0 && enough) sane.log.values = sane.log.values.topRows<1>().eval();
   const auto findings = findings_of(std::move(all), sane, options);
   std::vector<HeldOut> held;
   for (const auto& finding : findings) {
@@ -250,7 +264,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     held.push_back(f.held);
     const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
-      if (cause.effect.joint == f.evidence().joint) cause.gain = of_joint;
+      if (cause.effect.joint == f.evidence().joint && effect_kind(cause.effect.type).action)
+        cause.gain = of_joint;
     add(d, f, of_joint);
   }
   d.gain = gain(held, options.seed);
@@ -259,7 +274,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
   TipDiagnosis tip;
-  if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.seed, options.threads);
+  if (tip_enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.seed, options.threads);
   bool judged = joints_judged || tip.judged;
   if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty() && noisy) {
     judged = false;

@@ -93,10 +93,11 @@ bool follows_acceleration(const RecordSignals& s) {
   constexpr double as_much = 1.02;                     // of what is left
   const Eigen::ArrayXd &angle = s.joint_angle(), &a = s.acceleration;
   const Eigen::ArrayXd side = side_of_friction(s.joint_rate());
-  Eigen::MatrixXd beside(s.rows(), 8), of_drive(s.rows(), 4);
+  Eigen::MatrixXd beside(s.rows(), 8), of_drive(s.rows(), 5);
   beside << Eigen::VectorXd::Ones(s.rows()), angle.matrix(), angle.cos().matrix(), angle.sin().matrix(),
       (2 * angle).cos().matrix(), (2 * angle).sin().matrix(), s.joint_rate().matrix(), side.matrix();
-  of_drive << Eigen::VectorXd::Ones(s.rows()), side.matrix(), a.matrix(), s.joint_rate().matrix();
+  of_drive << Eigen::VectorXd::Ones(s.rows()), angle.matrix(), side.matrix(), a.matrix(),
+      s.joint_rate().matrix();
   const Slope inertia(s, a, beside), drive(s, s.effort, of_drive);
   return inertia.left < quantized * s.step() && inertia.significance > significant &&
          inertia.value * std::sqrt((a - a.mean()).square().mean()) > noticeable * s.step() &&

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "core/text.hpp"
+#include "effect/effects/effects.hpp"
+#include "effect/reading.hpp"
 #include "filter/run/cascade.hpp"
 #include "input/joint_entries.hpp"
 #include "kinematics/inverse_dynamics.hpp"
@@ -125,8 +127,12 @@ namespace {
 /// Part of a constant error that its standard deviation may be by rounding.
 constexpr double constant_spread = 1e-12;
 
+/// Part of a play by which a joint at rest may move by rounding.
+constexpr double at_rest = 1e-9;
+
 /// The effects of the spec along its motion, without the accuracy of its encoders.
 ///
+/// - The play of a joint that the motion leaves at rest is a constant of unknown size and sign.
 /// - What depends on the place within a line, or is random, is bounded by range: over all positions of the
 ///   line. Its sigma is part of noise_in_motion.
 /// - The counts behind a decoder that jumps are bounded by range, too.
@@ -138,7 +144,8 @@ class EffectsInMotion {
         filters_(designed_filters(spec)),
         norms_(filter_norms(spec)),
         settling_(settling_time(*spec.motion, filters_)),
-        factors_(count_factors(spec)) {}
+        factors_(count_factors(spec)),
+        usage_(usage_of(spec)) {}
 
   EffectReport report() {
     EffectReport report = effects_by_range(spec_);
@@ -146,7 +153,7 @@ class EffectsInMotion {
     for (EffectShare& s : report.shares) add(s, report.sources);
     for (std::size_t e = 0; e < spec_.model.transmission.encoders.size(); ++e)
       add_change_with_zero(e, report.sources);
-    if (signals_.empty()) return report;
+    if (signals_.empty() && floating_.empty()) return report;
     const Motion& motion = *spec_.motion;
     report.along_motion = effects_along_motion(spec_.model, signals_, motion, filters_, settling_);
     if (steady_.size() < signals_.size()) {
@@ -156,11 +163,34 @@ class EffectsInMotion {
       for (std::size_t f = 0; f < filters_.size(); ++f)
         report.along_motion->filtered[f].peak = steady.filtered[f].peak;
     }
+    for (const Effect& e : floating_)
+      add_either_way(effects_along_motion(spec_.model, {e}, motion, filters_, settling_),
+                     *report.along_motion);
     widen(*report.along_motion);
     return report;
   }
 
  private:
+  /// An error of either sign, and of any size up to that of a signal: with the mean square of a uniform one.
+  static void add_either_way(const SignalMoments& largest, SignalMoments& sum) {
+    sum.peak += largest.peak;
+    sum.covariance += (largest.covariance + largest.mean * largest.mean.transpose()) / 3;
+  }
+  static void add_either_way(const ErrorAlongMotion& largest, ErrorAlongMotion& sum) {
+    add_either_way(largest.joints, sum.joints);
+    add_either_way(largest.tip, sum.tip);
+    for (std::size_t f = 0; f < sum.filtered.size(); ++f)
+      add_either_way(largest.filtered[f], sum.filtered[f]);
+  }
+
+  /// A joint that the motion leaves at rest is at any place in its play.
+  bool floats(const EffectShare& s) const {
+    LoopReading r;
+    add_to_reading(s.effect, spec_.model.transmission.encoders[s.joint], r);
+    const auto& position = usage_.joints[s.joint].position;
+    return r.play > 0 && position && position->half_width() <= at_rest * r.play;
+  }
+
   void add(EffectShare& s, std::vector<IndependentError>& sources) {
     const EffectKind& kind = effect_kind(s.effect.type);
     const bool loaded = !needs_effort({s.effect}) || has_masses(spec_.model.chain);
@@ -172,6 +202,15 @@ class EffectsInMotion {
       }
       // Noise smooths the jumps of the mean.
       if (s.included && kind.random() && decoder_jumps(spec_, s.joint)) signals_.push_back(s.effect);
+      return;
+    }
+    if (floats(s)) {
+      const EffectKind constant = offset_effect();
+      floating_.push_back({std::string(constant.name),
+                           s.effect.joint,
+                           {{std::string(constant.parameters.front().name), s.share->half_width}},
+                           {}});
+      s.share->sigma /= std::numbers::sqrt3;
       return;
     }
     signals_.push_back(s.effect);
@@ -220,7 +259,9 @@ class EffectsInMotion {
       source.sigma_ratios[f] =
           source.sigma > 0 ? step * behind[static_cast<Eigen::Index>(s.joint)] / source.sigma : 0;
     }
-    if (source.where == IndependentError::Where::encoder)
+    if (s.share->spectrum == Spectrum::white)
+      source.half_width += (std::max(1.0, s.multiplied) - 1) * half(s);
+    else if (source.where == IndependentError::Where::encoder)
       source.half_width += (multiplied(s.joint) - 1) * half(s);
   }
 
@@ -263,6 +304,8 @@ class EffectsInMotion {
   std::vector<Norms> norms_;
   double settling_;
   Eigen::VectorXd factors_;
+  RobotUsage usage_;
+  std::vector<Effect> floating_;          // the largest errors of the plays of joints at rest
   std::vector<Effect> signals_, steady_;  // all, and those without jumps
   double displaced_ = 0;                  // lengths by which origins are displaced [m]
 };

@@ -388,6 +388,11 @@ std::string to_table(const SimulationReport& r, const Style& style) {
                       "one `robot.tip` "
                       "its errors are.\n",
                   style.width);
+  if (r.spec.model.coordinates.empty())
+    return within(title +
+                      "\nNo figure: only coordinates of the tip are compared, and the spec has none of them; "
+                      "--log writes the joints' log.\n",
+                  style.width);
   const std::string exact =
       r.spec.effects.empty() ? "exact at its speeds" : "exact at its speeds for quantization alone";
   return within(

@@ -240,6 +240,8 @@ std::string cutoff_answer(const SimulationReport& r) {
 }
 
 std::string simulation_answer(const SimulationReport& r) {
+  if (!r.spec.model.tips && r.spec.model.coordinates.empty())
+    return "Only coordinates of the tip are compared, and the spec has none of them.";
   if (r.spec.model.tips)
     return "Of several tips none is compared: with one robot.tip its errors along the motion are here.";
   RatioRange sigma, peak;
@@ -379,7 +381,7 @@ page::Page page_of(const SimulationReport& r) {
     page.add("Velocity estimators", estimator_figures(r));
     return page;
   }
-  if (r.spec.model.tips) return page;
+  if (r.spec.model.coordinates.empty()) return page;
   page.add("Simulation and theory", page::side_by_side(prediction_figure(r) + "<div>" +
                                                        page::table(factor_cells(r), "sigma of") + "</div>") +
                                         deviation_list(r));

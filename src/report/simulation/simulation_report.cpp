@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -63,6 +64,11 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
     warnings.emplace_back(
         "sigma at the speeds of the motion is not given: an encoder moves by less than a quarter of a count; "
         "`analyze` has it, as sigma in motion");
+  if (const OperationalModel& model = r.spec.model; !model.tips && !model.signals.empty()) {
+    std::vector<std::string> names;
+    for (const Signal& s : model.signals) names.push_back(shown(s.name));
+    warnings.push_back("not compared: " + joined(names) + ", as only coordinates of the tip are");
+  }
   const auto& positions = r.simulation.results[0];
   if (std::any_of(positions.begin(), positions.end(), [](const SimulatedSignal& s) {
         return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);

@@ -65,7 +65,7 @@ Eigen::VectorXd held_out(const TipModel& m, bool tracker) {
     const Eigen::VectorXd target = root.cwiseProduct(m.entries())(in);
     Eigen::VectorXd theta = scale.asDiagonal() * least_norm_solution(unit(in, Eigen::all), target, 1e-6);
     for (std::size_t i = 0; i < m.terms().size(); ++i)
-      if (!tracker && m.terms()[i].of_tracker()) theta.segment(m.position(i), m.terms()[i].size()).setZero();
+      if (!tracker && m.terms()[i].of_record()) theta.segment(m.position(i), m.terms()[i].size()).setZero();
     left(out) = m.entries()(out) - x(out, Eigen::all) * theta;
   }
   return left;
@@ -124,7 +124,7 @@ Gain gain_of(const TipModel& m, const TipModel& ideal) {
 /// The model without causes and frames, with the displacements of the tracker that were found beside them.
 TipModel without_causes(const TipModel& found, TipModel ideal) {
   for (std::size_t i = 0; i < found.terms().size(); ++i)
-    if (found.terms()[i].of_tracker()) ideal.add(found.terms()[i], found.coefficients(i));
+    if (found.terms()[i].of_record()) ideal.add(found.terms()[i], found.coefficients(i));
   ideal.fit();
   return ideal;
 }
@@ -191,8 +191,8 @@ bool outweighs(const Unidentified& left, const Gain& gain) {
 bool cancel(const TipModel& m, double without) {
   constexpr double times = 20;  // convention
   for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if (const TipTerm& t = m.terms()[i]; !t.kinematic() && !t.of_tracker() &&
-                                         rms((m.columns(i) * m.coefficients(i)).array()) > times * without)
+    if (const TipTerm& t = m.terms()[i];
+        !t.kinematic() && !t.of_record() && rms((m.columns(i) * m.coefficients(i)).array()) > times * without)
       return true;
   return false;
 }
@@ -217,7 +217,7 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
   std::vector<std::pair<double, Cause>> causes;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
     const TipTerm& t = m.terms()[i];
-    if (t.of_tracker()) {
+    if (t.of_record()) {
       d.unexplained.push_back(tracker_finding(m, i));
       continue;
     }
@@ -260,8 +260,9 @@ double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
 /// A nuisance of the fit as a cause, with its value at the estimate. Of a value that is no more than its
 /// uncertainty there is none.
 /// @param first  of its columns among those of the nuisances
+/// @param alone  whether nothing else explains or remains
 void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::VectorXd& value,
-                     Eigen::Index first, TipDiagnosis& d) {
+                     Eigen::Index first, bool alone, TipDiagnosis& d) {
   constexpr double significant = 1e-4;
   const Eigen::Index n = value.size();
   const Eigen::MatrixXd columns = m.all_columns().middleCols(first, n);
@@ -274,7 +275,7 @@ void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::Ve
   const double p = chi_squared_tail(value.dot(information.inverse * value),
                                     static_cast<double>(std::max<Eigen::Index>(1, information.rank)));
   // What moves the tip by less than what remains is the frame's share of other errors.
-  if (!(p < significant) || signal_to_noise(m.solution(), columns, value) < 1) return;
+  if (!(p < significant) || (!alone && signal_to_noise(m.solution(), columns, value) < 1)) return;
   Cause cause{{type, "tip", {}, {}}, {}, p, d.gain};
   const std::vector<Parameter>& rows = effect_kind(type).parameters;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -286,16 +287,17 @@ void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::Ve
   d.causes.push_back(std::move(cause));
 }
 
-void name_frames(const TipModel& m, TipDiagnosis& d) {
+/// @param alone  whether nothing else explains or remains
+void name_frames(const TipModel& m, bool alone, TipDiagnosis& d) {
   const Eigen::Isometry3d base = m.estimate().base * m.nominal().tracker.inverse();
   const Eigen::Index of_base = m.frames().base ? 6 : 0;
   if (of_base > 0) {
     const Eigen::AngleAxisd turn(base.linear());
     Eigen::VectorXd motion(of_base);
     motion << base.translation(), turn.angle() * turn.axis();
-    add_frame_cause(m, "frame", motion, 0, d);
+    add_frame_cause(m, "frame", motion, 0, alone, d);
   }
-  if (m.frames().target) add_frame_cause(m, "tool", m.estimate().tool, of_base, d);
+  if (m.frames().target) add_frame_cause(m, "tool", m.estimate().tool, of_base, alone, d);
 }
 
 /// A displaced tool and a joint that is displaced, or turned, do the same in some records: on the last joints
@@ -376,8 +378,8 @@ void find_unseen(const OperationalModel& model, const TipEvidence& e, TipDiagnos
              "with a reference sensor; or name another robot.tip";
 }
 
-/// Rows whose remainder no noise has: more than twelve times the median one, at most two of them or a
-/// thirtieth of all rows, and where rows follow each other no more than three of them in a row.
+/// Rows whose remainder no noise has: more than twelve times the median one, at most three of them or a
+/// fifteenth of all rows, and where rows follow each other no more than three of them in a row.
 std::vector<Eigen::Index> far_off(const TipEvidence& e, const Eigen::ArrayXd& distance) {
   constexpr double factor = 12, floor = 2;  // of the median, and of the log's rounding
   const double limit =
@@ -391,7 +393,7 @@ std::vector<Eigen::Index> far_off(const TipEvidence& e, const Eigen::ArrayXd& di
     longest = std::max(longest, run);
     if (run > 0) rows.push_back(k);
   }
-  const bool few = static_cast<Eigen::Index>(rows.size()) <= std::max<Eigen::Index>(distance.size() / 30, 2);
+  const bool few = static_cast<Eigen::Index>(rows.size()) <= std::max<Eigen::Index>(distance.size() / 15, 3);
   return few && !(e.ordered && longest > 3) ? rows : std::vector<Eigen::Index>{};
 }
 
@@ -479,7 +481,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     return d;
   }
   d.check = reproduction(model, s.model, simulated, residual, without, d.gain);
-  name_frames(s.model, d);
+  name_frames(s.model, s.model.terms().empty() && left.empty(), d);
   name_causes(s, d);
   for (Unidentified& u : left)
     if (!is_linearization(u, d.gain)) d.unexplained.push_back(std::move(u));

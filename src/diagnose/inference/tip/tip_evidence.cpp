@@ -7,6 +7,7 @@
 #include "core/parallel.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -58,7 +59,8 @@ Eigen::ArrayXd in_time(const Evidence& own, const std::vector<Effect>& of_clock)
     const Action instant = effect_kind(effect.type).action(effect, own.encoder, 0);
     const Eigen::ArrayXd read = path;
     for (Eigen::Index k = 0; k < own.rows(); ++k)
-      path[k] = position_at(own.time, read, own.velocity, 2 * own.time[k] - instant(own.time[k], {}));
+      path[k] = position_at(own.time, read, own.velocity,
+                            2 * own.time[k] - instant(own.time[k], Moment{.time = own.time[k]}));
   }
   return path;
 }
@@ -324,6 +326,7 @@ Eigen::Index TipTerm::size() const {
       return 3;
     case Kind::tracker:
     case Kind::target:
+    case Kind::growth:
       return term.size() * directions.cols();
   }
   return 0;
@@ -353,7 +356,8 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       for (std::size_t i = 0; i < e.encoders.size(); ++i)
         if (delays(i, e)) {
           const auto at = static_cast<Eigen::Index>(i);
-          columns += p.joints * e.delayed.col(at) * delayed_reading(e, i, row, estimate.delay[at]).slope;
+          const DelayedReading read = delayed_reading(e, i, row, estimate.delay(at, row));
+          columns += p.joints * e.delayed.col(at) * (read.slope * term.columns(row, 0));
         }
       break;
     case Kind::geometry:
@@ -382,10 +386,12 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       break;
     case Kind::tracker:
     case Kind::target:
+    case Kind::growth:
       for (Eigen::Index i = 0; i < term.size(); ++i) {
         auto one = columns.middleCols(i * directions.cols(), directions.cols());
         one = -term.columns(row, i) * directions;
         if (kind == Kind::target) one = (p.tool * one).eval();
+        if (kind == Kind::growth) one = (p.before[where] * one).eval();
       }
       break;
   }
@@ -397,6 +403,41 @@ Evidence corrected_evidence(const TipEvidence& e, const TipEstimate& estimate, s
   own.path -= estimate.additions.row(static_cast<Eigen::Index>(encoder)).transpose().array();
   return own;
 }
+
+namespace {
+
+/// Path of a joint less what the causes add to its readings.
+Eigen::ArrayXd corrected_joint(const TipEvidence& e, const TipEstimate& estimate, std::size_t joint) {
+  const auto j = static_cast<Eigen::Index>(joint);
+  return (e.joints.row(j) - e.delayed.row(j) * estimate.additions).transpose().array();
+}
+
+/// The term of an effect of the clock, with the delay that a unit of its parameter makes in each row.
+Term delay_term(const Evidence& own, Term t) {
+  Effect unit = t.effect;
+  t.fill(unit, Eigen::VectorXd::Ones(1));
+  const Action instant = effect_kind(unit.type).action(unit, own.encoder, 0);
+  Eigen::ArrayXXd delay(own.rows(), 1);
+  for (Eigen::Index k = 0; k < own.rows(); ++k)
+    delay(k, 0) = own.time[k] - instant(own.time[k], Moment{.time = own.time[k]});
+  return with_columns(std::move(t), std::move(delay));
+}
+
+/// Encoders that follow another joint, too.
+std::vector<TipTerm> coupling_terms(const TipEvidence& e, const TipEstimate& estimate) {
+  std::vector<TipTerm> terms;
+  for (std::size_t other = 0; other < e.encoders.size(); ++other) {
+    if (e.encoders[other].is_stationary()) continue;
+    const Eigen::ArrayXd path = corrected_joint(e, estimate, other);
+    for (std::size_t i = 0; i < e.encoders.size(); ++i)
+      if (i != other && e.judged(i))
+        terms.push_back(
+            {TipTerm::Kind::encoder, coupling_term(e.encoders[i], e.encoders[other].joint, path), i});
+  }
+  return terms;
+}
+
+}  // namespace
 
 std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate) {
   std::vector<TipTerm> terms;
@@ -414,24 +455,28 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
           terms.push_back({TipTerm::Kind::geometry, std::move(t), place.link, direction});
         }
   }
-  const std::string delay(latency_effect().name);
   const auto count = e.encoders.size();
-  std::optional<Term> late;
+  std::vector<Term> late;  // of the last encoder that moves
   bool any = false;
   for (std::size_t i = 0; i < count; ++i) {
     any = any || e.judged(i);
-    for (Term& t : named_terms(corrected_evidence(e, estimate, i))) {
+    std::vector<Term> of_clock;
+    const Evidence own = corrected_evidence(e, estimate, i);
+    for (Term& t : named_terms(own)) {
       if (t.of_reference)
         continue;  // without a reference at the joint, the encoder's own path drives no play
-      const bool delays = t.effect.type == delay;
-      if (delays) late = t;
+      const bool delays = effect_kind(t.effect.type).stage == Stage::clock;
+      if (delays) of_clock.push_back(t = delay_term(own, std::move(t)));
       if (e.judged(i))
         terms.push_back({delays ? TipTerm::Kind::late : TipTerm::Kind::encoder, std::move(t), i});
     }
+    if (!of_clock.empty()) late = std::move(of_clock);
   }
-  if (late && (count > 1 || !any)) {
-    late->effect.joint = "tip";
-    terms.push_back({TipTerm::Kind::late, std::move(*late), count});
+  for (TipTerm& t : coupling_terms(e, estimate)) terms.push_back(std::move(t));
+  for (Term& t : late) {
+    if (count < 2 && any) break;  // it is that of the one encoder
+    t.effect.joint = "tip";
+    terms.push_back({TipTerm::Kind::late, std::move(t), count});
   }
   return terms;
 }
@@ -473,7 +518,10 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
   if (t.kind != TipTerm::Kind::encoder) return;
   const Evidence own = corrected_evidence(e, estimate, t.where);
   const Effect& effect = t.term.effect;
-  if (t.term.hysteresis) {
+  if (effect.type == coupling_error_effect().name) {
+    for (std::size_t i = 0; i < e.encoders.size(); ++i)
+      if (e.encoders[i].joint == effect.choices.at("of")) t.term.columns = corrected_joint(e, estimate, i);
+  } else if (t.term.hysteresis) {
     if (c[0] > own.step())
       t.term.columns = t.term.hysteresis((*e.paths)[t.where].measured, c[0])(e.row_of_path);
   } else if (t.term.step) {

@@ -74,7 +74,7 @@ struct TipPose {
 struct TipEstimate {
   Chain chain;
   Eigen::MatrixXd additions;  ///< encoders x rows: additions of the causes to the readings [rad or m]
-  Eigen::VectorXd delay;      ///< age of every encoder's readings [s]; what it adds is part of the additions
+  Eigen::MatrixXd delay;      ///< age of the readings, like the additions, which contain what it adds [s]
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< of the robot in the tracker's frame
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< the target, in the frame of the model's tip [m]
 
@@ -96,14 +96,16 @@ struct TipTerm {
     axis_tilt,   ///< rotates a joint's axis alone, what follows stays in the zero pose: <axis> of the URDF
     base,        ///< displaces and rotates the robot in the tracker's frame
     tool,        ///< displaces the target in the tip's frame
-    late,        ///< delays the readings of an encoder, or of all (`where`: the number of encoders)
+    late,        ///< delays the readings of an encoder, or of all (`where`: the number of encoders), in
+                 ///< each row by the term's column [s]
     tracker,     ///< displaces the tracker in time, by each of the term's columns along each direction
-    target       ///< displaces what is tracked in time, like `tracker`, along the axes of the tip
+    target,      ///< displaces what is tracked in time, like `tracker`, along the axes of the tip
+    growth       ///< displaces a joint's origin in time, like `tracker`
   };
   Kind kind = Kind::encoder;
-  Term term;  ///< its effect and fill; of an encoder, the tracker or its target the columns too
-  /// Encoder or moving joint; of geometry, OriginPlace::link; of the tracker and its target the row from
-  /// which they are displaced, 0: always.
+  Term term;  ///< its effect and fill; of an encoder, a delay, the tracker or its target the columns too
+  /// Encoder or moving joint; of geometry and growth, OriginPlace::link; of the tracker and its target the
+  /// row from which they are displaced, 0: always.
   std::size_t where = 0;
   /// Unit vectors in the frame before that joint, one a coefficient: along which geometry displaces, about
   /// which a tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a
@@ -111,10 +113,10 @@ struct TipTerm {
   Eigen::Matrix3Xd directions = {};
   bool slides = false;      ///< of an axis: its joint is prismatic
   bool kinematic() const {  ///< whether it depends on the pose alone
-    return kind == Kind::encoder ? term.constant : kind != Kind::late && !of_tracker();
+    return kind == Kind::encoder ? term.constant : kind != Kind::late && !of_record();
   }
-  /// Whether it is no error of the machine, but of what observes it.
-  bool of_tracker() const { return kind == Kind::tracker || kind == Kind::target; }
+  /// Whether it is of this record alone: no model of the machine has it.
+  bool of_record() const { return kind == Kind::tracker || kind == Kind::target || kind == Kind::growth; }
   /// Of a late term: whether it delays this encoder.
   bool delays(std::size_t encoder, const TipEvidence& e) const {
     return kind == Kind::late && (where == e.encoders.size() || where == encoder);
@@ -132,8 +134,8 @@ struct DelayedReading {
 };
 DelayedReading delayed_reading(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
 
-/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; a delay of
-/// all readings, which is that of the tracker's stamps, too.
+/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; errors of
+/// the clock of all readings, which are those of the tracker's stamps, too.
 std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 
 /// Tilts of every joint's frame, but of the first, which is one of the tracker's frame, and of every joint's

@@ -24,7 +24,7 @@ TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, U
   estimate_.chain = model.chain;
   estimate_.base = model.chain.tracker;
   estimate_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
-  estimate_.delay.setZero(estimate_.additions.rows());
+  estimate_.delay = estimate_.additions;
   theta_.resize(0);
   if (frames_.base) align();
   fit();
@@ -282,13 +282,16 @@ void TipModel::update_estimate() {
           (t.term.columns.matrix() * c).transpose();
     } else if (t.kind == TipTerm::Kind::late) {
       for (std::size_t e = 0; e < evidence_->encoders.size(); ++e)
-        if (t.delays(e, *evidence_)) estimate_.delay[static_cast<Eigen::Index>(e)] += c[0];
+        if (t.delays(e, *evidence_))
+          estimate_.delay.row(static_cast<Eigen::Index>(e)) +=
+              c[0] * t.term.columns.col(0).matrix().transpose();
     }
   }
-  for (Eigen::Index e = 0; e < estimate_.delay.size(); ++e)
-    for (Eigen::Index k = 0; estimate_.delay[e] != 0 && k < evidence_->rows(); ++k)
-      estimate_.additions(e, k) +=
-          delayed_reading(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay[e]).addition;
+  for (Eigen::Index e = 0; e < estimate_.delay.rows(); ++e)
+    for (Eigen::Index k = 0; k < evidence_->rows(); ++k)
+      if (estimate_.delay(e, k) != 0)
+        estimate_.additions(e, k) +=
+            delayed_reading(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay(e, k)).addition;
   estimate_.chain = as_built(model_->chain, built);
   for (std::size_t i = 0; i < terms_.size(); ++i)
     if (const TipTerm& t = terms_[i];
@@ -364,7 +367,7 @@ void TipModel::linearize() {
   arrange_nuisance();
   // What the estimate has is back in the entries; it has the machine, not what displaces the tracker.
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    if (!terms_[i].of_tracker()) y_ += term_columns_[i] * coefficients(i);
+    if (!terms_[i].of_record()) y_ += term_columns_[i] * coefficients(i);
 }
 
 /// Brings the tracker's frame and its target to where the solution has them.

@@ -9,6 +9,7 @@
 
 #include "core/random.hpp"
 #include "core/statistics.hpp"
+#include "core/text.hpp"
 #include "diagnose/search/peaks.hpp"
 
 namespace qerr {
@@ -180,11 +181,18 @@ std::vector<Unidentified> tip_remainder(const TipModel& m, const Eigen::MatrixXd
 
 namespace {
 
-TipTerm tracker_term(const TipEvidence& e, TipTerm::Kind kind, Eigen::ArrayXXd columns, Eigen::Index row) {
-  TipTerm t{kind, {}, static_cast<std::size_t>(row)};
+TipTerm displacement_in_time(TipTerm::Kind kind, Eigen::ArrayXXd columns, std::size_t where,
+                             std::string text) {
+  TipTerm t{kind, {}, where};
   t.term.effect.joint = "tip";
   t.term.columns = std::move(columns);
-  t.term.unnamed = row > 0 ? "a step in time" : "changes slowly in time";
+  t.term.unnamed = std::move(text);
+  return t;
+}
+
+TipTerm tracker_term(const TipEvidence& e, TipTerm::Kind kind, Eigen::ArrayXXd columns, Eigen::Index row) {
+  TipTerm t = displacement_in_time(kind, std::move(columns), static_cast<std::size_t>(row),
+                                   row > 0 ? "a step in time" : "changes slowly in time");
   t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
   t.directions = Eigen::Matrix3d::Identity()(Eigen::all, e.axes);
   return t;
@@ -214,6 +222,32 @@ std::optional<TipTerm> knock(const TipModel& m, TipTerm::Kind kind, Eigen::Matri
   return tracker_term(e, kind, std::move(after), shift.row);
 }
 
+/// Links that become longer from the start of the record on, as those that become warm do.
+std::vector<TipTerm> growths(const TipModel& m) {
+  constexpr double shortest_link = 0.03;  // [m] (convention): 30 K on aluminium are 20 um
+  const TipEvidence& e = m.evidence();
+  const Chain& chain = m.nominal();
+  // From the start of the record on, whose first rows are not judged.
+  const Eigen::ArrayXd time = e.ordered ? e.encoders.front().time : time_of(e), part = time / time.maxCoeff();
+  Eigen::ArrayXXd columns(e.rows(), 3);
+  columns << part, 1 - (-part / 0.3).exp(), 1 - (-part / 0.1).exp();  // another constant is between these
+  std::vector<TipTerm> terms;
+  for (std::size_t j = 0; j <= chain.joints.size(); ++j) {
+    const bool last = j == chain.joints.size();
+    const Eigen::Vector3d along = (last ? chain.tip_offset : chain.joints[j].origin).translation();
+    if (along.norm() < shortest_link) continue;
+    TipTerm t = displacement_in_time(
+        TipTerm::Kind::growth, columns, j,
+        "the link before " + (last ? "the tip" : chain.joints[j].name) + " grows with time");
+    t.term.fill = [](Effect& x, const Eigen::VectorXd& c) {
+      x.numbers["amplitude"] = c.sum();
+    };  // at the end
+    t.directions = along.normalized();
+    terms.push_back(std::move(t));
+  }
+  return terms;
+}
+
 }  // namespace
 
 std::vector<TipTerm> tracker_terms(const TipModel& m) {
@@ -224,6 +258,7 @@ std::vector<TipTerm> tracker_terms(const TipModel& m) {
   const Eigen::MatrixXd left = m.in_base(m.solution().residual);
   for (const TipTerm::Kind kind : {TipTerm::Kind::tracker, TipTerm::Kind::target})
     if (auto step = knock(m, kind, left)) terms.push_back(std::move(*step));
+  for (TipTerm& t : growths(m)) terms.push_back(std::move(t));
   return terms;
 }
 
@@ -232,7 +267,8 @@ void settle_knocks(TipModel& m) {
   for (std::size_t i = 0; i < m.terms().size();) {
     const TipTerm& t = m.terms()[i];
     std::optional<TipTerm> other;
-    if (t.of_tracker() && t.where > 0) other = knock(m, t.kind, m.in_base(m.trial({i}, {}).residual));
+    if (t.of_record() && t.kind != TipTerm::Kind::growth && t.where > 0)
+      other = knock(m, t.kind, m.in_base(m.trial({i}, {}).residual));
     TipSolution s;
     if (other && other->where != t.where) s = m.trial({i}, m.columns(*other));
     if (s.theta.size() == 0 || s.log_likelihood <= m.solution().log_likelihood || moves == 0) {
@@ -250,6 +286,11 @@ Unidentified tracker_finding(const TipModel& m, std::size_t term) {
   const TipTerm& t = m.terms()[term];
   const TipEvidence& e = m.evidence();
   const Eigen::VectorXd c = m.coefficients(term);
+  if (t.kind == TipTerm::Kind::growth) {
+    Unidentified u{"tip", t.term.unnamed, {}, {}, std::abs(c.sum())};
+    u.next = "let the robot warm up before it is measured, or measure its temperature beside";
+    return u;
+  }
   if (t.where > 0) return described({static_cast<Eigen::Index>(t.where), c.transpose(), 0}, e);
   const Eigen::MatrixXd moved = m.in_base(m.columns(term) * c);
   const double variance =

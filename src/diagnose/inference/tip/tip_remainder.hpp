@@ -23,15 +23,15 @@ inline constexpr double computed_tip = 1e-9;
 /// @returns at most one; none of fewer than 24 rows
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
-/// What a tracker, or its target, may do during the record: wander, as a polynomial of time along each
-/// coordinate, of degree 1, 2, 4 or 8; and one displacement from the row on where what the model leaves
-/// has its largest shift. None of fewer than 24 rows.
+/// What a tracker, its target or a link may do during the record: wander along each coordinate, as a
+/// polynomial of time of degree 1, 2, 4 or 8; one displacement from the row on where what
+/// the model leaves has its largest shift; grow along the link towards an end. None of fewer than 24 rows.
 std::vector<TipTerm> tracker_terms(const TipModel&);
 
 /// Moves displacements that were chosen before other causes were to the rows where these leave them.
 void settle_knocks(TipModel&);
 
-/// A term of the tracker as a finding: nothing that a model of the machine reproduces.
+/// Such a term as a finding: nothing that a model of the machine reproduces.
 Unidentified tracker_finding(const TipModel&, std::size_t term);
 
 }  // namespace qerr

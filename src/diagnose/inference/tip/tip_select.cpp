@@ -81,7 +81,7 @@ bool same(const TipTerm& a, const TipTerm& b) {
   return a.kind == b.kind && a.where == b.where && a.directions == b.directions && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
          x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
-         x.number_or("time", 0) == y.number_or("time", 0) && (!a.of_tracker() || a.size() == b.size());
+         x.number_or("time", 0) == y.number_or("time", 0) && (!a.of_record() || a.size() == b.size());
 }
 
 }  // namespace
@@ -152,9 +152,9 @@ std::optional<TipStep> next_step(const TipModel& model, std::vector<TipTerm> all
   }
   std::sort(passing.rbegin(), passing.rend());
   // Of many coefficients, displacements of the tracker gain more than what is simpler.
-  const auto of_tracker =
-      std::count_if(all.begin(), all.end(), [](const TipTerm& t) { return t.of_tracker(); });
-  passing.resize(std::min<std::size_t>(passing.size(), most_tip_fits + static_cast<std::size_t>(of_tracker)));
+  const auto of_record =
+      std::count_if(all.begin(), all.end(), [](const TipTerm& t) { return t.of_record(); });
+  passing.resize(std::min<std::size_t>(passing.size(), most_tip_fits + static_cast<std::size_t>(of_record)));
   std::optional<TipStep> best;
   for (const auto& [gain, i] : passing) {
     const Eigen::Index size = columns[i].cols();
@@ -410,7 +410,7 @@ TipModel best_tracked(const OperationalModel& model, const TipEvidence& e, std::
   };
   for (TipModel* other : {&more, &fresh}) {
     const bool displaced = std::any_of(other->terms().begin(), other->terms().end(),
-                                       [](const TipTerm& t) { return t.of_tracker(); });
+                                       [](const TipTerm& t) { return t.of_record(); });
     if (displaced && value(*other) > value(found)) found = std::move(*other);
   }
   return found;

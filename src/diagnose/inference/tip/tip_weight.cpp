@@ -42,7 +42,7 @@ double signal_to_noise(const TipSolution& s, const Eigen::MatrixXd& columns,
 
 double penalty(const TipModel& model, const TipTerm& t) {
   // Schwarz's price twice: what neighbouring rows leave is not independent.
-  if (t.of_tracker()) return unnamed_penalty + price(model, t.size());
+  if (t.of_record()) return unnamed_penalty + price(model, t.size());
   if (!t.term.named()) return unnamed_penalty;
   return t.kinematic() || model.evidence().ordered ? 0 : unnamed_penalty;
 }

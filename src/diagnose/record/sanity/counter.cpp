@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/solve.hpp"
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "effect/effects/effects.hpp"
@@ -345,7 +346,7 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
     remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)] = true;
   for (int bit = 1; bit <= highest; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
-    if (range < 4.0 * static_cast<double>(modulus) || n < 20 * modulus) return std::nullopt;
+    if (range < 4.0 * static_cast<double>(modulus) || n < 4 * modulus) return std::nullopt;
     std::vector<bool> seen(static_cast<std::size_t>(modulus));
     for (std::size_t r = 0; r < remainders.size(); ++r)
       if (remainders[r]) seen[r % seen.size()] = true;
@@ -367,32 +368,108 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   return std::nullopt;
 }
 
+/// Errors that readings may have, as they are read or by `other` more: those that together change least from
+/// row to row (Viterbi).
+Eigen::ArrayXd steadiest(const Eigen::ArrayXd& as_read, double other) {
+  const Eigen::Index n = as_read.size();
+  std::vector<std::array<bool, 2>> from(static_cast<std::size_t>(n));  // the state of the row before
+  std::array<double, 2> cost{};
+  for (Eigen::Index k = 1; k < n; ++k) {
+    const std::array<double, 2> before = cost;
+    for (const bool to : {false, true}) {
+      const auto by_way_of = [&](bool state) {
+        return before[state] + std::abs(as_read[k] - as_read[k - 1] + other * (to - state));
+      };
+      const bool best = by_way_of(true) < by_way_of(false);
+      from[static_cast<std::size_t>(k)][to] = best;
+      cost[to] = by_way_of(best);
+    }
+  }
+  Eigen::ArrayXd errors = as_read;
+  bool state = cost[1] < cost[0];
+  for (Eigen::Index k = n; k-- > 0; state = from[static_cast<std::size_t>(k)][state])
+    if (state) errors[k] += other;
+  return errors;
+}
+
+Eigen::ArrayXd running_median(const Eigen::ArrayXd& x) {
+  constexpr Eigen::Index side = 7;
+  Eigen::ArrayXd middle(x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, k - side), end = std::min(x.size(), k + side + 1);
+    const auto around = x.segment(first, end - first);
+    middle[k] = median({around.begin(), around.end()});
+  }
+  return middle;
+}
+
+/// What is to be added to readings, nothing or `other`, so that their errors are those of a constant, a
+/// scale, an eccentricity and what changes slowly.
+/// @param angle  of the encoder's shaft [rad]
+Eigen::ArrayXd restored(const Eigen::ArrayXd& as_read, double other, const Eigen::ArrayXd& angle) {
+  constexpr int rounds = 3;
+  Eigen::MatrixXd columns(as_read.size(), 4);
+  columns << Eigen::VectorXd::Ones(as_read.size()), angle.matrix(), angle.sin().matrix(),
+      angle.cos().matrix();
+  Eigen::ArrayXd errors = steadiest(as_read, other), added;
+  for (int round = 0; round < rounds; ++round) {
+    const Eigen::ArrayXd smooth = (columns * least_norm_solution(columns, errors.matrix())).array();
+    const Eigen::ArrayXd expected = smooth + running_median(errors - smooth);
+    added = ((as_read + other - expected).abs() < (as_read - expected).abs())
+                .select(Eigen::ArrayXd::Constant(as_read.size(), other), 0.0);
+    errors = as_read + added;
+  }
+  return added;
+}
+
+}  // namespace
+
+namespace {
+
+/// Takes a bit of counts from the reference.
+/// @returns rms of measured - reference before and after [rad or m]
+std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size_t encoder, int bit,
+                                      bool value) {
+  const Encoder& model = s.model.transmission.encoders[encoder];
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  if (reference.size() == 0) return {0, 0};
+  const Eigen::ArrayXd as_read = read.counts - reference;
+  const double missing = direction(model) * (value ? -1 : 1) * std::ldexp(1.0, bit);
+  read.counts += restored(as_read, missing, model.shaft_ratio * model.resolution * reference);
+  write_back(s, read, encoder);
+  return {rms(as_read) * model.resolution, rms(read.counts - reference) * model.resolution};
+}
+
 }  // namespace
 
 void check_stuck_bit(Sanity& s, std::size_t encoder) {
   auto read = recorded_counts(s, encoder);
-  if (!read || !read->direct || read->counts.size() < 200) return;
-  const std::optional<StuckBit> stuck = stuck_bit(read->counts);
+  if (!read || !read->direct || read->counts.size() < 100) return;
+  bool is_stated = false;
+  while (const Effect* effect = specified_effect(s, encoder, stuck_bit_effect().name)) {  // which is removed
+    const auto bit = static_cast<int>(effect->number("bit"));
+    const bool value = effect->number("value") != 0;
+    remove_effect(s, effect);
+    restore_bit(s, *read, encoder, bit, value);
+    is_stated = true;
+  }
+  const std::optional<StuckBit> stuck =
+      is_stated ? std::nullopt : stuck_bit(direction(s.model.transmission.encoders[encoder]) * read->counts);
   if (!stuck) return;
-  const double half = std::ldexp(1.0, stuck->bit);
   s.data.push_back({"bit " + std::to_string(stuck->bit) + " of the counts never changes" +
                         (stuck->value ? *stuck->value ? ", it is 1" : ", it is 0" : "") + ": of every " +
-                        significant(2 * half, 6) + " counts in a row one half is missing",
+                        significant(std::ldexp(2.0, stuck->bit), 6) + " counts in a row one half is missing",
                     s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
-                    "look for a broken line of a parallel or serial interface, or a mask in the driver" +
-                        std::string(stuck->value ? "; here the bit is taken from the reference" : ""),
+                    std::string(stuck_bit_effect().remedy.text) +
+                        (stuck->value ? "; here the bit is taken from the reference" : ""),
                     DataKind::corrupt});
-  const Eigen::ArrayXd reference =
-      encoder_reference(s, encoder) / s.model.transmission.encoders[encoder].resolution;
-  if (!stuck->value || reference.size() == 0) return;
-  // Of the two counts that a reading stands for the one that is nearer to the reference, but for a zero.
-  const double other = *stuck->value ? -half : half;
-  const Eigen::ArrayXd apart = read->counts + other / 2 - reference;
-  std::vector<double> sorted(apart.begin(), apart.end());  // two heaps, half a bit below and above the zero
-  std::sort(sorted.begin(), sorted.end());
-  const double zero = 0.5 * (sorted[sorted.size() / 20] + sorted[sorted.size() - 1 - sorted.size() / 20]);
-  read->counts = (((apart - zero) * other > 0).select(read->counts, read->counts + other)).eval();
-  write_back(s, *read, encoder);
+  if (!stuck->value || encoder_reference(s, encoder).size() == 0) return;
+  // By chance the counts of all rows lie in one half of the remainders.
+  const double by_chance = std::exp2(-static_cast<double>(read->counts.size()));
+  const auto [before, after] = restore_bit(s, *read, encoder, stuck->bit, *stuck->value);
+  s.causes.push_back(exact_cause(s, encoder, stuck_bit_effect().name,
+                                 {{"bit", stuck->bit}, {"value", *stuck->value ? 1 : 0}}, by_chance, before,
+                                 after));
 }
 
 }  // namespace qerr::sanity

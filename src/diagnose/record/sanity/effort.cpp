@@ -366,6 +366,22 @@ bool replace_by_masses(Sanity& s, std::size_t joint, Eigen::Index column, const 
   return true;
 }
 
+}  // namespace
+
+DataFinding reverse_effort(Sanity& s, std::size_t joint) {
+  const Eigen::Index column = *s.log.find(LogSignal::effort, joint);
+  s.log.values.col(column) *= -1;
+  return {s.log.columns[static_cast<std::size_t>(column)].header +
+              " has the opposite sign of the load: a compliance would be negative",
+          s.model.chain.independent[joint].name,
+          {},
+          {},
+          "reverse the sign of the effort",
+          DataKind::contradictory};
+}
+
+namespace {
+
 void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& motion,
                const std::optional<Loads>& loads) {
   const auto column = s.log.find(LogSignal::effort, joint);
@@ -393,13 +409,7 @@ void make_load(Sanity& s, std::size_t joint, const std::optional<JointPath>& mot
   // Without masses only the error itself tells the sign: no load deflects a gear against itself.
   const Line of_error = fit_line(s.log.values.col(*column).array(), error);
   if (!loads && of_error.slope < 0 && of_error.residual_rms < opposite * standard_deviation(error)) {
-    s.log.values.col(*column) *= -1;
-    s.data.push_back({head.header + " has the opposite sign of the load: a compliance would be negative",
-                      s.model.chain.independent[joint].name,
-                      {},
-                      {},
-                      "reverse the sign of the effort",
-                      DataKind::contradictory});
+    s.data.push_back(reverse_effort(s, joint));
   }
   const std::string force = s.model.chain.independent[joint].prismatic() ? "N" : "N m";
   if (factor == 0 && (head.unit == "A" || head.unit == "1"))

@@ -106,6 +106,8 @@ void check_frozen_reference(Sanity&, std::size_t encoder);
 void check_stuck_sensor(Sanity&, std::size_t encoder);
 void check_controller_output(Sanity&, std::size_t encoder);
 void check_loads(Sanity&);
+/// Turns the sign of a joint's effort. @pre the log has it
+DataFinding reverse_effort(Sanity&, std::size_t joint);
 /// A bit of the counts that never changes: it is taken from the reference.
 void check_stuck_bit(Sanity&, std::size_t encoder);
 void check_tracker(Sanity&);

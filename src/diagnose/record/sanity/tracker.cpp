@@ -187,8 +187,9 @@ std::string contradiction(const Sanity& s, const TrackedTip& t) {
 }  // namespace
 
 void check_tracker(Sanity& s) {
+  constexpr double rounding = 1e-9;  // [m]: joints that do not move the tip say nothing of the tracker
   std::optional<TrackedTip> t = tracked_tip(s);
-  if (!t || !t->moves || t->model.rows() < fewest_rows_of_slope) return;
+  if (!t || !t->moves || t->model.rows() < fewest_rows_of_slope || largest_deviation(*t) < rounding) return;
   if (!exchange(s, *t)) convert_unit(s, *t);
   const std::string what = contradiction(s, *t);
   if (what.empty()) return;

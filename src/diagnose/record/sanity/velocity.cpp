@@ -195,6 +195,23 @@ bool follows_stamps(Sanity& s, const RecordedVelocity& r, std::size_t joint) {
   return true;
 }
 
+/// A recorded velocity that contradicts its joint, as a finding about the record and as a cause.
+/// @param before, after  rms of the position that the velocity does not explain, as written and corrected
+void report_fault(Sanity& s, std::size_t joint, const std::string& fault,
+                  std::map<std::string, double> numbers, double before, double after, const std::string& what,
+                  const std::string& remedy) {
+  const LogColumn& column = s.log.columns[static_cast<std::size_t>(*s.log.find(LogSignal::velocity, joint))];
+  s.data.push_back({column.header + ' ' + what,
+                    s.model.chain.independent[joint].name,
+                    1,
+                    {},
+                    remedy,
+                    DataKind::contradictory});
+  s.causes.push_back(
+      exact_cause(s, joint, velocity_fault_effect().name, std::move(numbers), 0, before, after));
+  s.causes.back().effect.choices["fault"] = fault;
+}
+
 /// A velocity with more noise than the readings have behind the spec's filter: what no filter of them leaves,
 /// if it changes from row to row.
 void report_noise(Sanity& s, const RecordedVelocity& r, const RecordedFilter& best, const Filter& specified,
@@ -206,15 +223,12 @@ void report_noise(Sanity& s, const RecordedVelocity& r, const RecordedFilter& be
   const double own = ideal_sigma(s, joint) * h2_norm(specified);
   if (!from_row_to_row || rms(rest) < more * own) return;
   const std::string unit = s.model.chain.independent[joint].prismatic() ? "m/s" : "rad/s";
-  s.data.push_back(
-      {s.log.columns[static_cast<std::size_t>(*s.log.find(LogSignal::velocity, joint))].header +
-           " has noise of " + readable(rms(rest), unit) + ", and the readings behind the spec's filter " +
-           readable(own, unit),
-       s.model.chain.independent[joint].name,
-       1,
-       {},
-       "state the filter that computes it under filters: if it is another one; else look for interference",
-       DataKind::contradictory});
+  report_fault(s, joint, std::string(noise_effect().name), {{"sigma", rms(rest)}}, rms(rest) * r.interval,
+               own * r.interval,
+               "has noise of " + readable(rms(rest), unit) + ", and the readings behind the spec's filter " +
+                   readable(own, unit),
+               "state the filter that computes it under filters: if it is another one; else look for "
+               "interference");
 }
 
 }  // namespace
@@ -355,16 +369,21 @@ double wrap_of(const VelocityRecord& m) {
 }
 
 /// What a factor says of the velocity, and what to do.
-std::pair<std::string, std::string> reading_of(double factor, const LogColumn& column, bool prismatic) {
+struct FactorReading {
+  std::string fault, what, remedy;
+};
+
+FactorReading reading_of(double factor, const LogColumn& column, bool prismatic) {
   if (std::abs(factor + 1) < 0.02)
-    return {"has the opposite sign of the motion", "turn the sign of the column"};
+    return {"sign", "has the opposite sign of the motion", "turn the sign of the column"};
   if (const auto unit = other_unit(column, factor, prismatic)) {
     const std::string name(unit->name);
     return {
+        "unit",
         "looks like " + name + ": its values are " + significant(factor, 4) + " times those of the motion",
         "write [" + name + "] in the header, or convert the column"};
   }
-  return {"is " + significant(factor, 4) + " times that of the motion",
+  return {"factor", "is " + significant(factor, 4) + " times that of the motion",
           "look whether it is that of the motor, before its gear, or of another joint"};
 }
 
@@ -384,23 +403,21 @@ void check_velocity_column(Sanity& s, std::size_t joint) {
   // Across a gap of the record nothing is integrated.
   if (decoded || peak_to_peak(m.position) < least_motion || steps.maxCoeff() > 5 * steps.mean()) return;
   const LogColumn head = s.log.columns[static_cast<std::size_t>(*column)];
-  const auto found = [&](const std::string& what, const std::string& remedy) {
-    s.data.push_back({head.header + ' ' + what,
-                      s.model.chain.independent[joint].name,
-                      1,
-                      {},
-                      remedy,
-                      DataKind::contradictory});
+  const Integrated fit = integrated(m);
+  const auto found = [&](const std::string& fault, std::map<std::string, double> numbers,
+                         const std::string& what, const std::string& remedy) {
+    report_fault(s, joint, fault, std::move(numbers), fit.rms_as_written, fit.rms, what, remedy);
     drop_column(s.log, *column);
   };
-  const std::string unit = s.model.chain.independent[joint].prismatic() ? "m/s" : "rad/s";
+  const std::string unit = s.model.chain.independent[joint].prismatic() ? "m/s" : "rad/s",
+                    offset(offset_effect().name);
   if (peak_to_peak(m.velocity) == 0)
-    return found("is constant while the joint moves",
+    return found("constant", {}, "is constant while the joint moves",
                  "look whether the drive sends it, or leave the column out");
   if (const double interval = wrap_of(m); interval > 0)
-    return found("wraps at +-" + readable(interval / 2, unit) + ", and goes on with the opposite sign",
+    return found("wrap", {{"interval", interval}},
+                 "wraps at +-" + readable(interval / 2, unit) + ", and goes on with the opposite sign",
                  "record it with more bits, or in a coarser unit; lower the speed");
-  const Integrated fit = integrated(m);
   const double moves = standard_deviation(m.position);
   const bool told = fit.rms < (1 - explained_share) * std::min(fit.rms_as_written, moves);
   const Eigen::ArrayXd bend = derivative({m.time, m.velocity, {}});
@@ -408,13 +425,14 @@ void check_velocity_column(Sanity& s, std::size_t joint) {
   const bool usual = fit.factor > least_factor && fit.factor < most_factor &&
                      std::abs(fit.factor - 1) < least_difference + by_filter;
   if (told && !usual) {
-    const auto [what, remedy] = reading_of(fit.factor, head, s.model.chain.independent[joint].prismatic());
-    found(what, remedy);
+    const FactorReading r = reading_of(fit.factor, head, s.model.chain.independent[joint].prismatic());
+    found(r.fault, {{"factor", fit.factor}}, r.what, r.remedy);
   } else if (told && std::abs(fit.offset) > least_offset * rms(m.velocity)) {
-    found("is not zero at rest: it has an offset of " + readable(fit.offset, unit),
+    found(offset, {{offset, fit.offset}},
+          "is not zero at rest: it has an offset of " + readable(fit.offset, unit),
           "subtract it: calibrate the zero of the sensor or the converter that measures it");
   } else if (fit.rms_as_written > 0.5 * moves) {
-    found("does not follow the motion of its joint",
+    found("unrelated", {}, "does not follow the motion of its joint",
           "look whether the column is that of another joint, or leave it out");
   }
 }

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/solve.hpp"
+#include "effect/effects/effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double least_share = 0.05;  // of the travel on either side of a speed that can be told (convention)
+
+/// Way at more than a speed, from the first row to each [rad or m].
+Eigen::ArrayXd way_above(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, double speed) {
+  Eigen::ArrayXd way = Eigen::ArrayXd::Zero(path.size());
+  for (Eigen::Index k = 1; k < path.size(); ++k) {
+    const double moved = path[k] - path[k - 1];
+    way[k] = way[k - 1] + (std::abs(moved) > speed * (time[k] - time[k - 1]) ? moved : 0);
+  }
+  return way;
+}
+
+/// Some rows of a record, in which the speed is seen that divides lossless motion from that with losses.
+class LossScan {
+ public:
+  explicit LossScan(const RecordSignals& s) {
+    constexpr Eigen::Index most = 1 << 16, fitted = 1024;
+    const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
+    time_ = s.time(some), path_ = s.path(some), speed_ = s.velocity(some).abs();
+    stride_ = (path_.size() + fitted - 1) / fitted;
+    const Eigen::ArrayXd path = every(path_), shaft = s.encoder.shaft_ratio * path;
+    error_ = every((s.measured - s.path)(some)).matrix();
+    columns_.resize(path.size(), 5);
+    columns_ << path, Eigen::VectorXd::Ones(path.size()), path - path.mean(), shaft.sin(), shaft.cos();
+  }
+
+  /// The speed above which a loss leaves least. None where all speeds or none are above: what is lost at all
+  /// of them is a wrong scale.
+  /// @param beside  columns beside it: 1, a constant; 4, a scale and an eccentricity, too
+  std::optional<double> best(Eigen::Index beside) const {
+    constexpr int coarse = 40, fine = 16;
+    const double fastest = speed_.maxCoeff();
+    double least = std::numeric_limits<double>::infinity(), best = 0;
+    const auto attempt = [&](double at) {
+      if (const double left = left_by(at, beside); left < least) best = at, least = left;
+    };
+    for (int i = 1; i < coarse; ++i) attempt(fastest * i / coarse);
+    for (double step = fastest / (coarse * fine); step > fastest / 1e5; step /= fine) {
+      const double about = best;
+      for (int i = -fine; i <= fine; ++i) attempt(about + step * i);
+    }
+    return best > 0 ? std::optional(best) : std::nullopt;
+  }
+
+ private:
+  Eigen::ArrayXd every(const Eigen::ArrayXd& x) const { return x(Eigen::seq(0, Eigen::last, stride_)); }
+
+  double left_by(double speed, Eigen::Index beside) const {
+    const double above = (speed_ > speed).select(speed_, 0).sum(), travel = speed_.sum();
+    if (above < least_share * travel || above > (1 - least_share) * travel)
+      return std::numeric_limits<double>::infinity();
+    Eigen::MatrixXd columns = columns_.leftCols(1 + beside);
+    columns.col(0) = every(way_above(time_, path_, speed)).matrix();
+    return (error_ - columns * least_norm_solution(columns, error_)).squaredNorm();
+  }
+
+  Eigen::Index stride_ = 1;
+  Eigen::ArrayXd time_, path_, speed_;
+  Eigen::VectorXd error_;
+  Eigen::MatrixXd columns_;  // room for the loss, and those beside it
+};
+
+std::vector<double> speeds_of_loss(const RecordSignals& s) {
+  std::vector<double> speeds;
+  const LossScan scan(s);
+  for (const Eigen::Index beside : {1, 4})
+    if (const auto speed = scan.best(beside)) speeds.push_back(*speed);
+  return speeds;
+}
+
+Term loss_above(const RecordSignals& s, double speed) {
+  Term t = linear_term(s, "lost_counts", -way_above(s.time, s.path, speed),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["fraction"] = c[0]; });
+  t.effect.numbers["speed"] = t.shape = speed;
+  t.half_width = 0.2 * s.velocity.abs().maxCoeff();
+  t.positive = 1;
+  t.reshaped = [](const RecordSignals& record, const Term&, double shape) {
+    return loss_above(record, shape);
+  };
+  t.shapes = speeds_of_loss;
+  return t;
+}
+
+std::vector<Term> terms(const RecordSignals& s) {
+  if (!s.ordered || s.is_stationary() || s.coupled()) return {};
+  return {loss_above(s, 0.5 * s.velocity.abs().maxCoeff())};
+}
+
+/// Lost counts are whole ones. At one instant it may be asked for several counts, of which the first counts.
+Action action(const Effect& e, const Encoder&, std::uint64_t) {
+  struct Reading {
+    double count, joint, time;
+  };
+  return [fraction = e.number("fraction"), speed = e.number("speed"), lost = 0.0,
+          last = std::optional<Reading>()](double x, const Moment& m) mutable {
+    if (last && last->time == m.time) return x - std::round(lost);
+    if (last && std::abs(m.joint - last->joint) > speed * (m.time - last->time))
+      lost += fraction * (x - last->count);
+    last = {x, m.joint, m.time};
+    return x - std::round(lost);
+  };
+}
+
+/// All of it may be lost in one direction: fraction v t, with t uniform over the duration.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
+  if (e.number("fraction") == 0) return Share{};
+  if (!u.velocity) return std::nullopt;
+  const double fastest = u.velocity->largest();
+  if (fastest <= e.number("speed")) return Share{};
+  if (!u.duration) return std::nullopt;
+  const double most = e.number("fraction") * fastest * *u.duration + encoder.resolution;
+  return Share{0, most, most / std::sqrt(3.0), Spectrum::motion};
+}
+
+}  // namespace
+
+EffectKind lost_counts_effect() {
+  return {.name = "lost_counts",
+          .summary = "a part of the counts is lost while the joint is faster than a speed",
+          .typical = "counters and opto-couplers above their limiting frequency",
+          .stage = Stage::decoder,
+          .parameters = {{.name = "fraction",
+                          .meaning = "lost counts per count that passes",
+                          .required = true,
+                          .least = 0,
+                          .most = 1},
+                         {.name = "speed",
+                          .dimension = dimension::angular_speed,
+                          .meaning = "of the joint, above which counts are lost",
+                          .fallback = 0.0,
+                          .least = 0}},
+          .action = action,
+          .share = share,
+          .need = Need::duration,
+          .terms = terms,
+          .record = "moves below and above that speed, in both directions",
+          .remedy = {false,
+                     "keep the count rate below the counter's limit: lower the speed, or use a faster "
+                     "counter; check the level of the signals at speed"}};
+}
+
+}  // namespace qerr
