@@ -130,10 +130,10 @@ def check_forms(t, qerr, folder, spec):
     ran = run(qerr, "threshold", spec, "-q", "--set", "threshold.length=300 mm",
               "--set", "filters={v: {derivative: 1, sample_rate: 1 kHz}}")
     t.check("threshold shows what --set changed", ran.out.startswith(b"with --set threshold.length=300"), ran.out.decode()[:200])
-    long = ["analyze", CORPUS.parents[1] / "configs/kuka_lwr/spec.yaml", "--set", "configurations.count=12000000", "--threads", "1"]
+    long = ["analyze", CORPUS.parents[1] / "configs/kuka_lwr/spec.yaml", "--set", "configurations.count=50000000", "--threads", "1"]
     for when, lines in (("always", True), ("never", False), ("auto", False)):
         ran = run(qerr, *long, "-q", "--progress", when)
-        t.check(f"--progress {when} where no terminal is", (b"% of 12.0 M configurations" in ran.err) == lines and b"\x1b" not in ran.err,
+        t.check(f"--progress {when} where no terminal is", (b"% of 50.0 M configurations" in ran.err) == lines and b"\x1b" not in ran.err,
                 ran.err.decode()[:200])
 
 

@@ -81,7 +81,8 @@ Identifiability::Identifiability(const PlannedRecord& record, const PlanOptions&
   information_ = reading_information(std::max(1e-3, std::hypot(e.noise, random_sigma) / e.step()));
   terms_ = named_terms(e);
   // A plan speaks of the play between motor and joint; on the encoder's other side it has the same column.
-  std::erase_if(terms_, [](const Term& t) { return t.of_reference; });
+  // What the record itself must tell is not planned.
+  std::erase_if(terms_, [](const Term& t) { return t.of_reference || t.shapes; });
   terms_.push_back(step_term(e, 0.5 * e.time[e.rows() - 1]));
   Eigen::Index count = 1;
   for (const Term& t : terms_) {

@@ -368,6 +368,10 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
         set_smallest(v, m.term(g),
                      std::sqrt((m.group(g).least_gain + m.group(g).price * noise) / information));
     }
+    const auto terms = kind.terms(m.sampled());
+    const bool told_by_record =
+        std::any_of(terms.begin(), terms.end(), [](const Term& t) { return t.shapes; });
+    if (v.smallest == 0 && told_by_record) continue;  // of its parameters the record has none
     if (v.smallest == 0) v.hidden_by = hidden_by(kind, m.sampled());
     visible.push_back(std::move(v));
   }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 #include "effect/effects/effects.hpp"
 
 namespace qerr {
@@ -11,6 +12,9 @@ namespace qerr {
 namespace {
 
 constexpr double least_share = 0.05;  // of the travel on either side of a speed that can be told (convention)
+
+/// What a loss leaves of an error: a part of it, or of a count (conventions).
+constexpr double part_left = 0.1, counts_left = 0.6;
 
 /// Way at more than a speed, from the first row to each [rad or m].
 Eigen::ArrayXd way_above(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, double speed) {
@@ -27,6 +31,7 @@ class LossScan {
  public:
   explicit LossScan(const RecordSignals& s) {
     constexpr Eigen::Index most = 1 << 16, fitted = 1024;
+    step_ = s.step();
     const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
     time_ = s.time(some), path_ = s.path(some), speed_ = s.velocity(some).abs();
     stride_ = (path_.size() + fitted - 1) / fitted;
@@ -37,7 +42,7 @@ class LossScan {
   }
 
   /// The speed above which a loss leaves least. None where all speeds or none are above: what is lost at all
-  /// of them is a wrong scale.
+  /// of them is a wrong scale. None where more is left than a loss leaves: it would be a part of any curve.
   /// @param beside  columns beside it: 1, a constant; 4, a scale and an eccentricity, too
   std::optional<double> best(Eigen::Index beside) const {
     constexpr int coarse = 40, fine = 16;
@@ -51,7 +56,10 @@ class LossScan {
       const double about = best;
       for (int i = -fine; i <= fine; ++i) attempt(about + step * i);
     }
-    return best > 0 ? std::optional(best) : std::nullopt;
+    const auto rows = static_cast<double>(error_.size());
+    const double all = standard_deviation(error_.array()), left = std::sqrt(least / rows);
+    return best > 0 && left < std::max(part_left * all, counts_left * step_) ? std::optional(best)
+                                                                             : std::nullopt;
   }
 
  private:
@@ -67,6 +75,7 @@ class LossScan {
   }
 
   Eigen::Index stride_ = 1;
+  double step_ = 0;
   Eigen::ArrayXd time_, path_, speed_;
   Eigen::VectorXd error_;
   Eigen::MatrixXd columns_;  // room for the loss, and those beside it

@@ -263,7 +263,9 @@ double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
 /// @param alone  whether nothing else explains or remains
 void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::VectorXd& value,
                      Eigen::Index first, bool alone, TipDiagnosis& d) {
-  constexpr double significant = 1e-4;
+  // What moves the tip by less is the frame's share of other errors, and raises what remains by less than a
+  // tenth.
+  constexpr double significant = 1e-4, unnoticed = 0.45;
   const Eigen::Index n = value.size();
   const Eigen::MatrixXd columns = m.all_columns().middleCols(first, n);
   const double inflation =
@@ -274,8 +276,7 @@ void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::Ve
   const NormalInverse information(covariance);
   const double p = chi_squared_tail(value.dot(information.inverse * value),
                                     static_cast<double>(std::max<Eigen::Index>(1, information.rank)));
-  // What moves the tip by less than what remains is the frame's share of other errors.
-  if (!(p < significant) || (!alone && signal_to_noise(m.solution(), columns, value) < 1)) return;
+  if (!(p < significant) || (!alone && signal_to_noise(m.solution(), columns, value) < unnoticed)) return;
   Cause cause{{type, "tip", {}, {}}, {}, p, d.gain};
   const std::vector<Parameter>& rows = effect_kind(type).parameters;
   for (Eigen::Index i = 0; i < n; ++i) {

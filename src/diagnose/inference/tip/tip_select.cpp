@@ -363,14 +363,21 @@ TipModel best_framed(const OperationalModel& model, const TipEvidence& e, Unknow
   const TipModel ideal(model, e, start, seed);
   TipModel found = best_model(ideal, options);
   const TipModel known = found, bare = without_dimensions(found);
+  std::optional<TipModel> not_turned;
   for (const UnknownFrames frames :
        {UnknownFrames{.target = true}, UnknownFrames{.base = true}, UnknownFrames{true, true}}) {
     if (frames.size() <= start.size()) continue;
     if (!needs(frames, ideal, options) && !needs(frames, known, options) && !needs(frames, bare, options))
       continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
-    if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) continue;
-    if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
+    if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) {
+      not_turned = std::move(framed);
+      continue;
+    }
+    if (!(value_with_penalties(framed) > value_with_penalties(found))) continue;
+    // A displaced target beside a frame that is not turned is worth more than the frame alone, or is none.
+    const bool alone = not_turned && value_with_penalties(*not_turned) >= value_with_penalties(framed);
+    found = alone ? *not_turned : std::move(framed);
   }
   return found;
 }
