@@ -194,6 +194,13 @@ Eigen::MatrixXd difference_at_tip(const PosedRobot& r, const TipTerm& t, Eigen::
       const Eigen::Matrix3d axes = r.estimate.pose(r.evidence, row).tool;
       return t.kind == TipTerm::Kind::target ? Eigen::Vector3d(-axes * moved) : Eigen::Vector3d(-moved);
     }
+    case TipTerm::Kind::growth: {  // the link before the joint, or the one that carries the tip, is longer
+      const bool last = t.where == built.chain.joints.size();
+      Eigen::Isometry3d& link = last ? built.chain.tip_offset : built.chain.joints[t.where].origin;
+      for (Eigen::Index i = 0; i < t.term.size(); ++i)
+        link.translation() += t.term.columns(row, i) * t.directions * c.segment(i, 1);
+      break;
+    }
     case TipTerm::Kind::encoder:  // the joint is where the reading less its error says
       built.additions(place, row) += (t.term.columns.row(row).matrix() * c).value();
   }
@@ -212,6 +219,12 @@ TEST(TipTerm, HasTheDerivativesOfTheForwardKinematicsAsColumns) {
       TipTerm t{kind, {}, 0};
       t.term.columns = Eigen::ArrayXXd::Random(r.evidence.rows(), 2);
       t.directions.setIdentity(3, 3);
+      terms.push_back(std::move(t));
+    }
+    for (std::size_t j = 0; j <= r.model.chain.joints.size(); ++j) {
+      TipTerm t{TipTerm::Kind::growth, {}, j};
+      t.term.columns = Eigen::ArrayXXd::Random(r.evidence.rows(), 2);
+      t.directions = Eigen::Vector3d::Random().normalized();
       terms.push_back(std::move(t));
     }
     for (const TipTerm& t : terms)
