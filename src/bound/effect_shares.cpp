@@ -97,8 +97,13 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   Eigen::MatrixX2d at_joints = Eigen::MatrixX2d::Zero(n, 2), at_encoders = at_joints;
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
     const auto current = static_cast<Stage>(stage);
-    if (current == Stage::disc)
+    if (current == Stage::disc) {
       at_encoders = model.transmission.coupling.inverse().magnitudes().dense() * at_joints;
+      // The zero is anywhere within a count; along a motion `change_with_zero` has what that changes.
+      for (std::size_t i = 0; i < usage.encoders.size(); ++i)
+        if (!usage.encoders[i].duration)
+          at_encoders(static_cast<Eigen::Index>(i), 0) += 0.5 * model.transmission.encoders[i].resolution;
+    }
     Eigen::MatrixX2d& before = at_joint(current) ? at_joints : at_encoders;
     for (EffectShare& s : shares) {
       const EffectKind& kind = effect_kind(s.effect.type);

@@ -19,7 +19,7 @@
 namespace qerr::testing {
 namespace {
 
-constexpr double most_seconds = 1;  ///< of CPU, for one log
+constexpr double most_seconds = 3;  ///< of CPU, for one log; 0.4 is usual, and twice that on a busy machine
 volatile std::sig_atomic_t present_seed = 0;
 
 void report_endless(int) {
@@ -201,7 +201,7 @@ double cpu_seconds() {
 }
 
 // QERR_SPOILT_LOGS=100000 tries more of them.
-TEST(Diagnose, EndsWithinASecondForEverySpoiltLog) {
+TEST(Diagnose, EndsForEverySpoiltLog) {
   const char* more = std::getenv("QERR_SPOILT_LOGS");
   const int logs = more ? std::atoi(more) : 700;
   std::map<Verdict, int> verdicts;
