@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/search.hpp"
+#include "effect/action_path.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -24,16 +25,11 @@ using Map = std::function<double(double)>;
 /// The position that the effects of one stage make of the true one, in turn.
 Map positions_behind(Stage stage, const Encoder& encoder, const std::vector<Effect>& effects,
                      const std::string& joint) {
-  std::vector<Action> actions;
+  ActionPath actions;
   for (const Effect& e : effects)
     if (const EffectKind& kind = effect_kind(e.type); e.joint == joint && kind.stage == stage && kind.action)
-      actions.push_back(kind.action(e, encoder, 0));
-  return [actions](double x) {
-    const Moment moment{.joint = x};
-    double seen = x;
-    for (const Action& action : actions) seen = action(seen, moment);
-    return seen;
-  };
+      actions.add(kind, kind.action(e, encoder, 0));
+  return [actions](double x) { return actions(x, {.joint = x}); };
 }
 
 /// Displacement of edge k: the x with seen(x) = (k - below) Delta, less its ideal place [rad or m]. Errors

@@ -10,15 +10,6 @@
 
 namespace qerr {
 
-namespace {
-
-double through(std::vector<Action>& actions, double signal, const Moment& moment) {
-  for (Action& action : actions) signal = action(signal, moment);
-  return signal;
-}
-
-}  // namespace
-
 Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
   Chain built = chain;
   for (const Effect& effect : effects) {
@@ -70,13 +61,17 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
                                        effects[i].number("sigma") / transmission_.encoders[joint].resolution);
         continue;
       }
-      auto& list = kind.stage == Stage::clock                               ? a.clock
-                   : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
-                   : kind.stage == Stage::decoder                           ? a.decoder.actions
-                   : kind.stage == Stage::log                               ? a.log
-                   : kind.stage == Stage::reference                         ? a.reference
-                                                                            : a.encoder;
-      list.push_back(kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i));
+      Action action = kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i);
+      if (kind.stage == Stage::decoder) {
+        a.decoder.actions.push_back(std::move(action));
+        continue;
+      }
+      ActionPath& list = kind.stage == Stage::clock                               ? a.clock
+                         : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
+                         : kind.stage == Stage::log                               ? a.log
+                         : kind.stage == Stage::reference                         ? a.reference
+                                                                                  : a.encoder;
+      list.add(kind, std::move(action));
     }
   }
   shaft_differs_ = std::any_of(actions_.begin(), actions_.end(),
@@ -161,7 +156,7 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
   Actions& a = actions_[joint];
   Moment m = moment(joint, i);
   if (!a.clock.empty()) {
-    const double instant = through(a.clock, m.time, m);
+    const double instant = a.clock(m.time, m);
     m.time = instant;
     m.joint = position(joint, instant);
     if (effort_ && !a.motion.empty()) {
@@ -170,7 +165,7 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
       m.velocity = state.velocity, m.acceleration = state.acceleration;
     }
   }
-  return through(a.motion, m.joint, m);
+  return a.motion(m.joint, m);
 }
 
 void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
@@ -189,7 +184,7 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   Actions& a = actions_[encoder];
   Moment m = moment(encoder, i);
   m.effort = 0;
-  const double distorted = through(a.encoder, shaft, m);
+  const double distorted = a.encoder(shaft, m);
   double count = count_of(encoder, distorted);
   if (!a.decoder.empty()) count = a.decoder.mean(count, m);
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
@@ -279,8 +274,8 @@ Reading& Sensing::reading(std::size_t i) {
     Moment m = moment(j, i);
     if (temperature_) r.temperature_rise[row] = m.temperature_rise;
     m.effort = 0;
-    r.logged[row] = through(actions_[j].log, r.estimate[row], m);
-    r.reference[row] = through(actions_[j].log, through(actions_[j].reference, r.joint[row], m), m);
+    r.logged[row] = actions_[j].log(r.estimate[row], m);
+    r.reference[row] = actions_[j].log(actions_[j].reference(r.joint[row], m), m);
   }
   r.tip = tracked_tip(built_, r.joint);
   return r;

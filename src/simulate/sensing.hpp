@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "effect/action_path.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/core/instruction_set.hpp"
@@ -99,7 +100,7 @@ class Sensing {
 
  private:
   struct Actions {
-    std::vector<Action> clock, motion, encoder, log, reference;
+    ActionPath clock, motion, encoder, log, reference;
     Decoder decoder;
   };
   double position(std::size_t joint, double time) const;

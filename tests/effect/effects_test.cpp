@@ -132,6 +132,18 @@ TEST(Effects, EccentricityIsThatOfADisplacedDisc) {
 
 /// Quadrature of two channels: A has edges at multiples of half a line, B a quarter of a line later plus the
 /// phase error; every edge is counted.
+/// They are a Fourier series of the angle of one shaft.
+TEST(Effects, OrdersOfAGearAdd) {
+  const std::vector<Effect> orders{{"transmission_error", "elbow", {{"amplitude", 3e-3}, {"order", 2}}, {}},
+                                   {"backlash", "elbow", {{"gap", 0}}, {}},
+                                   {"transmission_error", "elbow", {{"amplitude", 2e-3}, {"order", 4}}, {}}};
+  const Readings r = record(orders);
+  for (std::size_t k = 0; k < r.time.size(); ++k) {
+    const double sum = 3e-3 * std::sin(2 * 20 * r.truth[k]) + 2e-3 * std::sin(4 * 20 * r.truth[k]);
+    EXPECT_LE(std::abs(r.measured[k] - r.truth[k] - sum), 0.5 * delta * (1 + 1e-9));
+  }
+}
+
 TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
   const double phase = 0.6, line = 4 * delta, shift = phase / (2 * pi) * line;
   OperationalModel down = one_joint();

@@ -96,6 +96,7 @@ class Machine:
         for j in range(n):
             when = self.clock(j, t, rng)
             mine = [e for e in self.effects if e.joint == j]
+            angle = None  # of the gear, without its own errors: its orders are one Fourier series
             out[j] = paths.joints[j].at(when)[0]
             q, v, a = paths.at(when) if any(e.name == "compliance" or "outside" in e.name for e in mine) else (0, 0, 0)
             for e in mine:
@@ -106,7 +107,8 @@ class Machine:
                     out[j] += e.p["shape"](when, q[j], v[j], effort)
                 elif e.name == "transmission_error":
                     turn = 1.0 if e.p.get("shaft") == "joint" else self.encoders[j].to_shaft
-                    out[j] += e.p["amplitude"] * np.sin(e.p["order"] * turn * out[j] + e.p["phase"])
+                    angle = out[j] + 0.0 if angle is None else angle
+                    out[j] = out[j] + e.p["amplitude"] * np.sin(e.p["order"] * turn * angle + e.p["phase"])
                 elif e.name == "controller_droop":
                     out[j] += e.p["droop"](when)
         return out

@@ -6,6 +6,7 @@
 #include "diagnose/record/sampling.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
+#include "effect/effects/periodic.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -19,6 +20,7 @@ struct SignalPath {
   const Evidence& e;
   const Eigen::ArrayXd &path, &velocity;  ///< of what the effect acts on
   Eigen::ArrayXd signal;
+  Eigen::ArrayXd before_sines = {};  ///< of a stage: periodic errors add
 
   void act(const Effect& effect) {
     const EffectKind& kind = effect_kind(effect.type);
@@ -33,6 +35,8 @@ struct SignalPath {
         return;
       }
     const Stage stage = kind.stage;
+    const bool sine = is_periodic(kind);
+    if (sine && before_sines.size() == 0) before_sines = signal;
     const Action action = kind.action(effect, e.encoder, 0);
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
       const Moment moment{static_cast<std::uint64_t>(k),
@@ -47,6 +51,8 @@ struct SignalPath {
       } else if (stage == Stage::decoder) {
         const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
         signal[k] += sign * (action(count, moment) - count) * e.step();
+      } else if (sine) {
+        signal[k] += action(before_sines[k], moment) - before_sines[k];
       } else {
         signal[k] = action(signal[k], moment);
       }
@@ -55,12 +61,14 @@ struct SignalPath {
 
   /// Effects of some stages, in their order.
   void pass(const std::vector<Effect>& effects, Stage first, Stage last) {
-    for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage)
+    for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage) {
+      before_sines.resize(0);
       for (const Effect& effect : effects) {
         const Stage here = effect_kind(effect.type).stage;
         if (effect.joint != e.joint || static_cast<int>(here) != stage || is_random(effect)) continue;
         if (e.ordered || here != Stage::clock) act(effect);
       }
+    }
   }
 };
 

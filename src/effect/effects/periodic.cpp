@@ -52,6 +52,8 @@ Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   };
 }
 
+bool is_periodic(const EffectKind& kind) { return kind.action == periodic_action; }
+
 std::optional<Share> periodic_share(const Effect& e, const Encoder&, const Usage&) {
   const double amplitude = e.number("amplitude");
   return Share{0, amplitude, amplitude / std::numbers::sqrt2, Spectrum::motion};

@@ -14,6 +14,8 @@ Parameter periodic_amplitude();
 Parameter periodic_phase();
 Parameter periodic_shaft();
 Action periodic_action(const Effect&, const Encoder&, std::uint64_t seed);
+/// Whether it is a sine of its shaft's angle.
+bool is_periodic(const EffectKind&);
 std::optional<Share> periodic_share(const Effect&, const Encoder&, const Usage&);
 
 /// Amplitude and phase of c0 sin(angle) + c1 cos(angle).

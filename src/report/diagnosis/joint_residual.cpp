@@ -5,6 +5,7 @@
 
 #include "core/parallel.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "effect/action_path.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
@@ -53,21 +54,23 @@ Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
 }
 
 /// The actions of effects in the order of the signal's stages.
-std::vector<Action> actions(std::vector<Effect> effects, const Encoder& encoder) {
+ActionPath actions(std::vector<Effect> effects, const Encoder& encoder) {
   std::stable_sort(effects.begin(), effects.end(), [](const Effect& a, const Effect& b) {
     return effect_kind(a.type).stage < effect_kind(b.type).stage;
   });
-  std::vector<Action> all;
-  for (const Effect& effect : effects) all.push_back(effect_kind(effect.type).action(effect, encoder, 0));
+  ActionPath all;
+  for (const Effect& effect : effects) {
+    const EffectKind& kind = effect_kind(effect.type);
+    all.add(kind, kind.action(effect, encoder, 0));
+  }
   return all;
 }
 
 /// True position minus `measured`, by fixed-point iteration: the errors change slowly with the position.
-double correction(const std::vector<Action>& actions, double measured) {
+double correction(const ActionPath& actions, double measured) {
   double position = measured;
   for (int i = 0; i < 50; ++i) {
-    double reading = position;
-    for (const Action& act : actions) reading = act(reading, {.joint = position});
+    const double reading = actions(position, {.joint = position});
     position -= reading - measured;
     if (std::abs(reading - measured) < 1e-15 * std::max(1.0, std::abs(measured))) break;
   }
@@ -75,7 +78,7 @@ double correction(const std::vector<Action>& actions, double measured) {
 }
 
 std::string rows_of(const Evidence& e, const std::vector<Effect>& effects) {
-  const std::vector<Action> of_effects = actions(effects, e.encoder);
+  const ActionPath of_effects = actions(effects, e.encoder);
   const Grid grid = grid_of(e, effects);
   std::string out;
   for (std::size_t i = 0; i <= grid.intervals; ++i) {

@@ -7,18 +7,18 @@
 
 namespace qerr {
 
-std::vector<Action> disc_actions(const std::vector<Effect>& effects, const Encoder& encoder,
-                                 const std::string& joint) {
-  std::vector<Action> actions;
+ActionPath disc_actions(const std::vector<Effect>& effects, const Encoder& encoder,
+                        const std::string& joint) {
+  ActionPath actions;
   for (const Stage stage : {Stage::disc, Stage::line})
     for (const Effect& e : effects)
       if (const EffectKind& kind = effect_kind(e.type);
           e.joint == joint && kind.stage == stage && kind.action)
-        actions.push_back(kind.action(e, encoder, 0));
+        actions.add(kind, kind.action(e, encoder, 0));
   return actions;
 }
 
-EdgeFinder::EdgeFinder(const Encoder& encoder, std::vector<Action> disc, EncoderPath path, double start)
+EdgeFinder::EdgeFinder(const Encoder& encoder, ActionPath disc, EncoderPath path, double start)
     : resolution_(encoder.resolution),
       below_(below_reading(encoder)),
       disc_(std::move(disc)),
@@ -30,10 +30,7 @@ EdgeFinder::EdgeFinder(const Encoder& encoder, std::vector<Action> disc, Encoder
 /// The position that the disc shows, in counts, so that the count is its floor.
 double EdgeFinder::shown(double time) const {
   const double joint = path_.position(time);
-  double x = joint;
-  const Moment moment{.time = time, .joint = joint};
-  for (const Action& action : disc_) x = action(x, moment);
-  return x / resolution_ + below_;
+  return disc_(joint, {.time = time, .joint = joint}) / resolution_ + below_;
 }
 
 const std::vector<Edge>& EdgeFinder::until(double time) {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "effect/action_path.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"
@@ -33,7 +34,7 @@ struct EncoderPath {
 /// @pre the disc's errors change by less than the position: edges do not coincide
 class EdgeFinder {
  public:
-  EdgeFinder(const Encoder&, std::vector<Action> disc, EncoderPath, double start);
+  EdgeFinder(const Encoder&, ActionPath disc, EncoderPath, double start);
 
   /// The edges behind the last call's instant up to this one. Valid until the next call.
   const std::vector<Edge>& until(double time);
@@ -44,14 +45,14 @@ class EdgeFinder {
   double root(double from, double to, double threshold) const;
 
   double resolution_, below_;
-  mutable std::vector<Action> disc_;
+  ActionPath disc_;
   EncoderPath path_;
   double now_, velocity_, tolerance_;
   std::vector<Edge> edges_;
 };
 
 /// The effects of an encoder's disc and lines, in the order of their stages.
-std::vector<Action> disc_actions(const std::vector<Effect>&, const Encoder&, const std::string& joint);
+ActionPath disc_actions(const std::vector<Effect>&, const Encoder&, const std::string& joint);
 
 /// What an estimator has at a sample: the count, and the edges since the sample before.
 struct CounterSample {
