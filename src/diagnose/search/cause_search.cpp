@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -231,36 +232,119 @@ bool same_term_type(const Term& a, const Term& b) {
   return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
 }
 
-/// Whether a candidate can stand in the place of a chosen term: of another effect, of no family of the other
-/// chosen ones, and, where it is an order, of half a period or more: less would stand in for any curve.
+/// Whether a candidate can stand in the place of a chosen term: of another effect or order, and of no family
+/// of the other chosen ones.
 bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::size_t candidate) {
   const Candidate& c = m.candidate(candidate);
   const std::size_t replaced = choice.chosen[i];
-  if (!c.term.named() || same_term_type(c.term, m.term(replaced)) || m.periods(candidate) < distinct_periods)
-    return false;
+  if (!c.term.named() || same_term_type(c.term, m.term(replaced))) return false;
   return std::none_of(choice.chosen.begin(), choice.chosen.end(),
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });
+}
+
+/// Largest amplitude of an order, as an angle of its shaft [rad]: a magnet off its axis has up to 2.4 deg,
+/// and twice that is a machine that no one would run.
+constexpr double largest_amplitude = 0.1;
+
+/// Whether less than half a period of an order is what a term imitates. With its amplitude and phase free it
+/// would stand in for most curves: it must be of a possible size, and the record must not determine more of
+/// its coefficients than the terms have, which would have met by chance.
+/// @param others  the chosen terms but those that imitate it
+bool is_imitated(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others, std::size_t arc,
+                 const Eigen::VectorXd& coefficients) {
+  const Effect& effect = m.term(arc).effect;
+  const double of_shaft = std::abs(wave_number(effect, m.sampled().encoder)) / effect.number("order");
+  if (coefficients.norm() * of_shaft > largest_amplitude) return false;
+  Eigen::Index count = 0;
+  for (const std::size_t g : choice.chosen)
+    if (std::find(others.begin(), others.end(), g) == others.end()) count += m.group(g).count;
+  const Eigen::ArrayXd determined =
+      m.linear().information(m.groups(), others, arc).array() * coefficients.squaredNorm();
+  return (determined > indistinguishable * m.scale(choice)).count() <= count;
+}
+
+LinearModel::Set without(LinearModel::Set set, std::size_t position) {
+  set.erase(set.begin() + static_cast<std::ptrdiff_t>(position));
+  return set;
+}
+
+/// Weighted sum of squares that a choice leaves with a non-linear term, about its own parameters, in the
+/// place of one of its members.
+/// @param p  parameters to start from
+double left_by_nonlinear(const ErrorModel& m, const LinearModel::Set& others, const Term& original,
+                         Eigen::VectorXd p) {
+  constexpr int steps = 6;
+  const Eigen::MatrixXd beside = m.columns(others);
+  double left = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < steps; ++step) {
+    const Term t = original.relinearized(m.sampled(), original, p);
+    Eigen::MatrixXd columns(beside.rows(), beside.cols() + t.size());
+    columns << beside, t.columns.matrix();
+    Eigen::VectorXd error = m.samples().error.matrix();
+    if (t.fixed.size() > 0) error -= t.fixed.matrix();
+    const LinearModel::Fit f = LinearModel(columns, error, m.weight().matrix(), columns.cols()).fit({}, {});
+    if (!f.coefficients.allFinite()) break;
+    left = f.rss;
+    p = f.coefficients.tail(t.size());
+  }
+  return left;
 }
 
 /// Named terms that could replace a chosen one: the criterion hardly rises, or what is lost is a small part
 /// of what the term explains.
 void find_replacements(const ErrorModel& m, const Choice& choice, std::size_t i, FoundCauses& result) {
   LinearModel::Set other = choice.chosen;
+  const LinearModel::Set others = without(choice.chosen, i);
   const bool complete = m.is_complete(choice.chosen);
-  const double lost = m.lost_without(choice, i);
+  const double lost = m.lost_without(choice, i), hardly = indistinguishable * m.scale(choice);
   for (std::size_t g = 0; g < m.candidates().size(); ++g) {
     if (!may_replace(m, choice, i, g)) continue;
     other[i] = g;
-    const LinearModel::Fit f = m.fit(other);
+    LinearModel::Fit f = m.fit(other);
+    // Where everything is explained, coefficients that the record does not determine are no objection.
+    f.regular |= complete;
     if (!m.possible(other, f)) continue;
-    const double left = f.rss - choice.fit.rss, least = m.group(g).least_gain;
-    const bool likely = left / m.scale(choice) < indistinguishable;
+    const Eigen::VectorXd own = m.coefficients(other, f, i);
+    const bool arc = m.periods(g) < distinct_periods;
+    // A zero's error is constant, as the top of any wave is over a short way.
+    if (arc && m.term(choice.chosen[i]).constant) continue;
+    if (arc && !(complete && is_imitated(m, choice, others, g, own))) continue;
+    double left = f.rss - choice.fit.rss;
+    const double least = m.group(g).least_gain;
+    if (complete && left > hardly && m.term(g).relinearized) {
+      const Term original = m.candidate(g).over(m.samples().sampling);
+      left =
+          std::min(left, left_by_nonlinear(m, others, original, own.head(original.size())) - choice.fit.rss);
+    }
     // Where everything is explained, a small part that the other leaves of a small error is evidence
     // against it; of a large error, it may be the idealization of its shape.
-    const bool near = left < (1 - alternative_share) * lost &&
+    const bool near = !arc && left < (1 - alternative_share) * lost &&
                       (!complete || (left < 2 * least && lost > 2 * least / (1 - alternative_share)));
-    if (likely || near) result.replacements.push_back({result.chosen.size(), m.candidate(g)});
+    if (left < hardly || near) result.replacements.push_back({result.chosen.size(), m.candidate(g)});
   }
+}
+
+/// Parts of a period that two chosen terms imitate together. An order of which the record covers more would
+/// have been chosen, having fewer coefficients.
+/// @param places  of the choice's members in the result
+void find_imitated(const ErrorModel& m, const Choice& choice, const std::vector<std::size_t>& places,
+                   FoundCauses& result) {
+  const LinearModel::Set& chosen = choice.chosen;
+  if (!m.is_complete(chosen)) return;
+  for (std::size_t j = 1; j < chosen.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!m.term(chosen[i]).named() || !m.term(chosen[j]).named()) continue;
+      const LinearModel::Set others = without(without(chosen, j), i);
+      for (std::size_t g = 0; g < m.candidates().size(); ++g) {
+        if (!(m.periods(g) < distinct_periods) || !may_replace(m, choice, i, g)) continue;
+        LinearModel::Set other = others;
+        other.push_back(g);
+        const LinearModel::Fit f = m.fit(other);
+        if (f.rss - choice.fit.rss < indistinguishable * m.scale(choice) && m.possible(other, f) &&
+            is_imitated(m, choice, others, g, m.coefficients(other, f, others.size())))
+          for (const std::size_t k : {i, j}) result.replacements.push_back({places[k], m.candidate(g)});
+      }
+    }
 }
 
 ChosenTerm chosen_term(const ErrorModel& m, const Choice& choice, std::size_t i) {
@@ -315,10 +399,13 @@ FoundCauses found_causes(const ErrorModel& m, const Choice& choice) {
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return left[a] < left[b]; });
+  std::vector<std::size_t> places(order.size());
   for (const std::size_t i : order) {
     if (m.term(choice.chosen[i]).named()) find_replacements(m, choice, i, result);
+    places[i] = result.chosen.size();
     result.chosen.push_back(chosen_term(m, choice, i));
   }
+  find_imitated(m, choice, places, result);
   return result;
 }
 
@@ -362,7 +449,7 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
     if (std::any_of(choice.chosen.begin(), choice.chosen.end(), of_kind)) continue;
     VisibleEffect v{std::string(kind.name), {}, 0, {}};
     for (std::size_t g = 0; g < m.candidates().size() && v.smallest == 0; ++g) {
-      if (!of_kind(g) || m.candidate(g).most > 0) continue;
+      if (!of_kind(g) || m.candidate(g).most > 0 || m.candidate(g).replaces_only) continue;
       const double information = m.linear().least_information(m.groups(), choice.chosen, g);
       if (information > 0)
         set_smallest(v, m.term(g),
