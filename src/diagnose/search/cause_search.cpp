@@ -57,6 +57,16 @@ FoundCauses at_rest(const Evidence& record, bool with_names) {
   return found;
 }
 
+/// Largest amplitude of an order, as an angle of its shaft [rad]: a magnet off its axis has up to 2.4 deg,
+/// and twice that is a machine that no one would run.
+constexpr double largest_amplitude = 0.1;
+
+bool has_possible_size(const ErrorModel& m, std::size_t order, const Eigen::VectorXd& coefficients) {
+  const Effect& effect = m.term(order).effect;
+  const double of_shaft = std::abs(wave_number(effect, m.sampled().encoder)) / effect.number("order");
+  return coefficients.norm() * of_shaft <= largest_amplitude;
+}
+
 class CauseSearch {
  public:
   CauseSearch(const Evidence& record, std::uint64_t seed, bool with_names)
@@ -79,6 +89,7 @@ class CauseSearch {
     while (refute(without_contrast(*model_, choice_))) choose();
     while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
     free_orders();
+    admit_arcs();
     distinguish_steps(*model_, choice_);
     return found_causes(*model_, choice_);
   }
@@ -193,6 +204,25 @@ class CauseSearch {
     choose();
   }
 
+  /// A curve of the position without a name may be a short part of one period per revolution, if that, of a
+  /// possible size, explains everything.
+  void admit_arcs() {
+    const auto has_curve = [&] {
+      return std::any_of(choice_.chosen.begin(), choice_.chosen.end(),
+                         [&](std::size_t g) { return model_->candidate(g).family == "position"; });
+    };
+    if (!has_curve()) return;
+    const Choice before = choice_;
+    history_.arcs = true;
+    choose();
+    bool possible = !has_curve() && model_->is_complete(choice_.chosen);
+    for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
+      possible &=
+          !model_->candidate(choice_.chosen[i]).replaces_only ||
+          has_possible_size(*model_, choice_.chosen[i], model_->coefficients(choice_.chosen, choice_.fit, i));
+    if (!possible) choice_ = before;
+  }
+
   bool refute(const std::vector<std::string>& refuted) {
     history_.refuted.insert(history_.refuted.end(), refuted.begin(), refuted.end());
     return !refuted.empty();
@@ -242,25 +272,24 @@ bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });
 }
 
-/// Largest amplitude of an order, as an angle of its shaft [rad]: a magnet off its axis has up to 2.4 deg,
-/// and twice that is a machine that no one would run.
-constexpr double largest_amplitude = 0.1;
-
-/// Whether less than half a period of an order is what a term imitates. With its amplitude and phase free it
-/// would stand in for most curves: it must be of a possible size, and the record must not determine more of
-/// its coefficients than the terms have, which would have met by chance.
-/// @param others  the chosen terms but those that imitate it
-bool is_imitated(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others, std::size_t arc,
-                 const Eigen::VectorXd& coefficients) {
-  const Effect& effect = m.term(arc).effect;
-  const double of_shaft = std::abs(wave_number(effect, m.sampled().encoder)) / effect.number("order");
-  if (coefficients.norm() * of_shaft > largest_amplitude) return false;
+/// Whether a candidate needs no more than the terms that it replaces: of its coefficients, of the size that
+/// they have, the record determines no more than those have. More would have met by chance.
+/// @param others  the chosen terms but those that it replaces
+bool is_as_simple(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others,
+                  std::size_t candidate, const Eigen::VectorXd& coefficients) {
   Eigen::Index count = 0;
   for (const std::size_t g : choice.chosen)
     if (std::find(others.begin(), others.end(), g) == others.end()) count += m.group(g).count;
   const Eigen::ArrayXd determined =
-      m.linear().information(m.groups(), others, arc).array() * coefficients.squaredNorm();
+      m.linear().information(m.groups(), others, candidate).array() * coefficients.squaredNorm();
   return (determined > indistinguishable * m.scale(choice)).count() <= count;
+}
+
+/// Whether less than half a period of an order is what terms imitate. With its amplitude and phase free it
+/// would stand in for most curves: it must be of a possible size, and as simple.
+bool is_imitated(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others, std::size_t arc,
+                 const Eigen::VectorXd& coefficients) {
+  return has_possible_size(m, arc, coefficients) && is_as_simple(m, choice, others, arc, coefficients);
 }
 
 LinearModel::Set without(LinearModel::Set set, std::size_t position) {
@@ -301,10 +330,10 @@ void find_replacements(const ErrorModel& m, const Choice& choice, std::size_t i,
     if (!may_replace(m, choice, i, g)) continue;
     other[i] = g;
     LinearModel::Fit f = m.fit(other);
-    // Where everything is explained, coefficients that the record does not determine are no objection.
-    f.regular |= complete;
-    if (!m.possible(other, f)) continue;
     const Eigen::VectorXd own = m.coefficients(other, f, i);
+    // Where everything is explained, coefficients that the record does not determine are no objection.
+    if (!f.regular) f.regular = complete && is_as_simple(m, choice, others, g, own);
+    if (!m.possible(other, f)) continue;
     const bool arc = m.periods(g) < distinct_periods;
     // A zero's error is constant, as the top of any wave is over a short way.
     if (arc && m.term(choice.chosen[i]).constant) continue;

@@ -34,7 +34,9 @@ template <typename Which>
 void allow(ErrorModel& m, const ChoiceHistory& history, Which which) {
   m.allow([&](std::size_t i) {
     const std::vector<std::string>& refuted = history.refuted;
-    if ((!history.names && m.term(i).named()) || m.candidate(i).replaces_only) return false;
+    if (!history.names && m.term(i).named()) return false;
+    if (m.candidate(i).replaces_only && !(history.arcs && m.term(i).effect.number("order") == 1))
+      return false;
     return which(i) && std::find(refuted.begin(), refuted.end(), m.candidate(i).family) == refuted.end();
   });
 }
