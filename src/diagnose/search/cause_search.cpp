@@ -205,21 +205,23 @@ class CauseSearch {
   }
 
   /// A curve of the position without a name may be a short part of one period per revolution, if that, of a
-  /// possible size, explains everything.
+  /// possible size, explains everything, the zero included: beside a free one it would stand in for most
+  /// curves.
   void admit_arcs() {
     const auto has_curve = [&] {
       return std::any_of(choice_.chosen.begin(), choice_.chosen.end(),
                          [&](std::size_t g) { return model_->candidate(g).family == "position"; });
     };
-    if (!has_curve()) return;
+    if (!has_curve() || !record_.encoder.zero_known) return;
     const Choice before = choice_;
     history_.arcs = true;
     choose();
     bool possible = !has_curve() && model_->is_complete(choice_.chosen);
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
       possible &=
-          !model_->candidate(choice_.chosen[i]).replaces_only ||
-          has_possible_size(*model_, choice_.chosen[i], model_->coefficients(choice_.chosen, choice_.fit, i));
+          !term(i).constant && (!model_->candidate(choice_.chosen[i]).replaces_only ||
+                                has_possible_size(*model_, choice_.chosen[i],
+                                                  model_->coefficients(choice_.chosen, choice_.fit, i)));
     if (!possible) choice_ = before;
   }
 
