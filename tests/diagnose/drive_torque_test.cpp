@@ -89,6 +89,17 @@ TEST(DriveTorque, ThatFrictionHidesIsALoadByTheLinksMotion) {
   }
 }
 
+/// The noise of the torque's measurement, times the compliance, is not in the readings.
+TEST(DriveTorque, ThatIsNoisyMakesNoNoiseOfTheReadings) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Drive drive(640 + seed);
+    for (double& t : drive.torque) t += 0.02 * drive.weight * drive.machine.normal();
+    const Diagnosis d = drive.diagnosed(20 * drive.machine.resolution / drive.weight);
+    ASSERT_EQ(d.causes.size(), 1U) << seed;
+    EXPECT_EQ(d.causes[0].effect.type, "compliance") << seed;
+  }
+}
+
 /// A usage has no acceleration: the effort's range would be a bound that the motion exceeds.
 TEST(DriveTorque, DoesNotBoundAnOwnLoad) {
   Usage usage;

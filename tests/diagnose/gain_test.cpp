@@ -162,5 +162,19 @@ TEST(WithEffects, AModelWithTheEccentricityHasNoDeviation) {
   EXPECT_GT(least_p(with_effects(e, {disc})), 0.01);
 }
 
+/// Of an error of 100 counts a remainder of one percent is reported only, unless it is much beyond what
+/// quantization and noise leave.
+TEST(Verdict, OfARemainderFarBeyondThePredictedOneIsPartlyExplained) {
+  Diagnosis d;
+  Cause cause;
+  cause.effect = {"scale", "q1", {{"scale", 0.01}}, {}};
+  cause.gain.rms_before = 1, cause.gain.rms_after = 0.01, cause.gain.sigma_ratio = 1.4;
+  d.causes = {cause};
+  d.unexplained = {{"q1", "a bump at one position", {}, {}, 0.01, Shape::bump}};
+  EXPECT_EQ(verdict(d, true), Verdict::explained);
+  d.causes[0].gain.sigma_ratio = 5;
+  EXPECT_EQ(verdict(d, true), Verdict::partly_explained);
+}
+
 }  // namespace
 }  // namespace qerr

@@ -55,5 +55,44 @@ TEST(ShortArc, OfLessThanAQuarterTurnIsOfOneOrderOrAHigherOne) {
   EXPECT_GE(right, records - 1);
 }
 
+bool has_alternative(const Diagnosis& d, const char* effect) {
+  return std::any_of(d.alternatives.begin(), d.alternatives.end(),
+                     [&](const AlternativeCause& a) { return a.effect == effect; });
+}
+
+bool is_named(const Diagnosis& d, const char* effect) {
+  return std::any_of(d.causes.begin(), d.causes.end(),
+                     [&](const Cause& c) { return c.effect.type == effect; });
+}
+
+/// A line through any point, with a slope, is a small part of a sine.
+TEST(ShortArc, OfAFewHundredthsOfATurnMayBeAnOffsetWithAScale) {
+  constexpr int records = 8;
+  int honest = 0;
+  for (unsigned seed = 201; seed <= 200 + records; ++seed) {
+    Machine m(seed);
+    m = moved_over(m.between(0.04, 0.09) * 2 * std::numbers::pi, seed);
+    const Diagnosis d = diagnosed(m, 1, m.between(15, 50));
+    honest += d.unexplained.empty() && (is_named(d, "eccentricity") || has_alternative(d, "eccentricity"));
+  }
+  EXPECT_GE(honest, records - 1);
+}
+
+/// That a sine vanishes where the zero is would be chance.
+TEST(ShortArc, LeavesAScaleBareWhoseZeroIsRight) {
+  constexpr int records = 8;
+  int bare = 0;
+  for (unsigned seed = 301; seed <= 300 + records; ++seed) {
+    Machine m(seed);
+    m.centre += m.centre < 0 ? -0.5 : 0.5;
+    m = moved_over(m.between(0.04, 0.2) * 2 * std::numbers::pi, seed);
+    const double scale = m.between(10, 40) * m.resolution / m.path.abs().maxCoeff();
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted((1 + scale) * m.path)));
+    bare += d.causes.size() == 1 && is_named(d, "scale") && d.unexplained.empty() &&
+            !has_alternative(d, "eccentricity") && !has_alternative(d, "transmission_error");
+  }
+  EXPECT_GE(bare, records - 1);
+}
+
 }  // namespace
 }  // namespace qerr

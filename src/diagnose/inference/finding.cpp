@@ -134,14 +134,15 @@ std::size_t least_name(const FoundCauses& found) {
   return least;
 }
 
-/// A term whose size the fit has made impossible, such as a negative play, or a shape of which it has left
-/// less than a tenth of what is worth a term.
+/// A term whose size the fit has made impossible, such as a negative play, an order of which it has left less
+/// than half of what is worth a term, or a shape of which it has left less than a tenth.
 std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
-  constexpr double nothing = 0.01;  // counts
-  for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if ((m.terms()[i].positive > 0 && m.coefficients(i)[0] < 0) ||
-        (!m.terms()[i].named() && size_of(m, i) < nothing * step))
-      return i;
+  constexpr double half = 0.5 * material, tenth = 0.1 * material;  // counts
+  for (std::size_t i = 0; i < m.terms().size(); ++i) {
+    const Term& t = m.terms()[i];
+    const double least = !t.named() ? tenth : t.harmonic ? half : 0;
+    if ((t.positive > 0 && m.coefficients(i)[0] < 0) || size_of(m, i) < least * step) return i;
+  }
   return std::nullopt;
 }
 
@@ -183,6 +184,9 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
                                         const Explanation& model) {
   constexpr double as_much = 1.01;
   for (const Replacement& r : found.replacements) {
+    // Less than half a period needs no offset beside it, and is none the likelier for that.
+    const Term& t = r.candidate.term;
+    if (t.harmonic && periods_covered(t.effect, sampling.evidence) < distinct_periods) continue;
     FoundCauses other = found;
     other.chosen[r.instead_of].candidate = r.candidate;
     other.replacements.clear();
@@ -221,7 +225,9 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     if (is_reproduced(*f->sampling, f->selection->model)) return;
     while (has_names(found)) {
       Explanation fitted = simulated_fit(*f->sampling, f->selection->model);
-      if (const auto needless = needless_term(fitted)) {
+      auto needless = needless_term(fitted);
+      if (!needless) needless = impossible_term(fitted, record.step());
+      if (needless) {
         drop(found, *needless);
         select();
         continue;

@@ -247,11 +247,30 @@ std::optional<ScatterCause> displaced_edges(const Evidence& e, const EdgePattern
   return std::nullopt;
 }
 
+/// Noise that the recorded effort carries into a model's addition [rad or m]: the effort's white part, by
+/// differences of third order, which no motion has, times what the addition changes with it. Medians and a
+/// limit of four deviations leave out what friction does at reversals.
+double noise_of_effort(const Evidence& e, const Explanation& m) {
+  if (e.effort.size() != e.rows() || !e.ordered || e.rows() < fewest_rows) return 0;
+  const auto differences = [&](const Eigen::ArrayXd& x) -> Eigen::ArrayXd {
+    const Eigen::Index n = x.size() - 3;
+    return x.tail(n) - 3 * x.segment(2, n) + 3 * x.segment(1, n) - x.head(n);
+  };
+  const Eigen::ArrayXd of_effort = differences(e.effort), of_model = differences(m.addition());
+  const Eigen::ArrayXd sizes = of_effort.abs();
+  // The median of a normal variable's magnitude is 0.6745 deviations; 1, 3, 3, 1 add up to 20 in squares.
+  const double deviation = median({sizes.begin(), sizes.end()}) / 0.6745;
+  const Eigen::ArrayXd used = (sizes < 4 * deviation).cast<double>();
+  const double squares = (used * of_effort.square()).sum();
+  if (!(squares > 0)) return 0;
+  return std::abs((used * of_effort * of_model).sum()) / squares * deviation / std::sqrt(20.0);
+}
+
 }  // namespace
 
 Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   Scatter s;
-  const double own = std::max(e.path_noise, 1e-3 * e.step());
+  const double own = std::hypot(std::max(e.path_noise, 1e-3 * e.step()), noise_of_effort(e, m));
   const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
   s.expected = known + e.step() * e.step() / 12;
   s.size = std::sqrt(std::max(0.0, m.noise() * m.noise() - own * own));

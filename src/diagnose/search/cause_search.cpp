@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -56,6 +57,16 @@ FoundCauses at_rest(const Evidence& record, bool with_names) {
   return found;
 }
 
+/// Largest amplitude of an order, as an angle of its shaft [rad]: a magnet off its axis has up to 2.4 deg,
+/// and twice that is a machine that no one would run.
+constexpr double largest_amplitude = 0.1;
+
+bool has_possible_size(const ErrorModel& m, std::size_t order, const Eigen::VectorXd& coefficients) {
+  const Effect& effect = m.term(order).effect;
+  const double of_shaft = std::abs(wave_number(effect, m.sampled().encoder)) / effect.number("order");
+  return coefficients.norm() * of_shaft <= largest_amplitude;
+}
+
 class CauseSearch {
  public:
   CauseSearch(const Evidence& record, std::uint64_t seed, bool with_names)
@@ -78,6 +89,7 @@ class CauseSearch {
     while (refute(without_contrast(*model_, choice_))) choose();
     while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
     free_orders();
+    admit_arcs();
     distinguish_steps(*model_, choice_);
     return found_causes(*model_, choice_);
   }
@@ -192,6 +204,27 @@ class CauseSearch {
     choose();
   }
 
+  /// A curve of the position without a name may be a short part of one period per revolution, if that, of a
+  /// possible size, explains everything, the zero included: beside a free one it would stand in for most
+  /// curves.
+  void admit_arcs() {
+    const auto has_curve = [&] {
+      return std::any_of(choice_.chosen.begin(), choice_.chosen.end(),
+                         [&](std::size_t g) { return model_->candidate(g).family == "position"; });
+    };
+    if (!has_curve() || !record_.encoder.zero_known) return;
+    const Choice before = choice_;
+    history_.arcs = true;
+    choose();
+    bool possible = !has_curve() && model_->is_complete(choice_.chosen);
+    for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
+      possible &=
+          !term(i).constant && (!model_->candidate(choice_.chosen[i]).replaces_only ||
+                                has_possible_size(*model_, choice_.chosen[i],
+                                                  model_->coefficients(choice_.chosen, choice_.fit, i)));
+    if (!possible) choice_ = before;
+  }
+
   bool refute(const std::vector<std::string>& refuted) {
     history_.refuted.insert(history_.refuted.end(), refuted.begin(), refuted.end());
     return !refuted.empty();
@@ -231,36 +264,118 @@ bool same_term_type(const Term& a, const Term& b) {
   return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
 }
 
-/// Whether a candidate can stand in the place of a chosen term: of another effect, of no family of the other
-/// chosen ones, and, where it is an order, of half a period or more: less would stand in for any curve.
+/// Whether a candidate can stand in the place of a chosen term: of another effect or order, and of no family
+/// of the other chosen ones.
 bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::size_t candidate) {
   const Candidate& c = m.candidate(candidate);
   const std::size_t replaced = choice.chosen[i];
-  if (!c.term.named() || same_term_type(c.term, m.term(replaced)) || m.periods(candidate) < distinct_periods)
-    return false;
+  if (!c.term.named() || same_term_type(c.term, m.term(replaced))) return false;
   return std::none_of(choice.chosen.begin(), choice.chosen.end(),
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });
+}
+
+/// Whether a candidate needs no more than the terms that it replaces: of its coefficients, of the size that
+/// they have, the record determines no more than those have. More would have met by chance.
+/// @param others  the chosen terms but those that it replaces
+bool is_as_simple(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others,
+                  std::size_t candidate, const Eigen::VectorXd& coefficients) {
+  Eigen::Index count = 0;
+  for (const std::size_t g : choice.chosen)
+    if (std::find(others.begin(), others.end(), g) == others.end()) count += m.group(g).count;
+  const Eigen::ArrayXd determined =
+      m.linear().information(m.groups(), others, candidate).array() * coefficients.squaredNorm();
+  return (determined > indistinguishable * m.scale(choice)).count() <= count;
+}
+
+/// Whether less than half a period of an order is what terms imitate. With its amplitude and phase free it
+/// would stand in for most curves: it must be of a possible size, and as simple.
+bool is_imitated(const ErrorModel& m, const Choice& choice, const LinearModel::Set& others, std::size_t arc,
+                 const Eigen::VectorXd& coefficients) {
+  return has_possible_size(m, arc, coefficients) && is_as_simple(m, choice, others, arc, coefficients);
+}
+
+LinearModel::Set without(LinearModel::Set set, std::size_t position) {
+  set.erase(set.begin() + static_cast<std::ptrdiff_t>(position));
+  return set;
+}
+
+/// Weighted sum of squares that a choice leaves with a non-linear term, about its own parameters, in the
+/// place of one of its members.
+/// @param p  parameters to start from
+double left_by_nonlinear(const ErrorModel& m, const LinearModel::Set& others, const Term& original,
+                         Eigen::VectorXd p) {
+  constexpr int steps = 6;
+  const Eigen::MatrixXd beside = m.columns(others);
+  double left = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < steps; ++step) {
+    const Term t = original.relinearized(m.sampled(), original, p);
+    Eigen::MatrixXd columns(beside.rows(), beside.cols() + t.size());
+    columns << beside, t.columns.matrix();
+    Eigen::VectorXd error = m.samples().error.matrix();
+    if (t.fixed.size() > 0) error -= t.fixed.matrix();
+    const LinearModel::Fit f = LinearModel(columns, error, m.weight().matrix(), columns.cols()).fit({}, {});
+    if (!f.coefficients.allFinite()) break;
+    left = f.rss;
+    p = f.coefficients.tail(t.size());
+  }
+  return left;
 }
 
 /// Named terms that could replace a chosen one: the criterion hardly rises, or what is lost is a small part
 /// of what the term explains.
 void find_replacements(const ErrorModel& m, const Choice& choice, std::size_t i, FoundCauses& result) {
   LinearModel::Set other = choice.chosen;
+  const LinearModel::Set others = without(choice.chosen, i);
   const bool complete = m.is_complete(choice.chosen);
-  const double lost = m.lost_without(choice, i);
+  const double lost = m.lost_without(choice, i), hardly = indistinguishable * m.scale(choice);
   for (std::size_t g = 0; g < m.candidates().size(); ++g) {
     if (!may_replace(m, choice, i, g)) continue;
     other[i] = g;
-    const LinearModel::Fit f = m.fit(other);
+    LinearModel::Fit f = m.fit(other);
+    const Eigen::VectorXd own = m.coefficients(other, f, i);
+    // Where everything is explained, coefficients that the record does not determine are no objection.
+    if (!f.regular) f.regular = complete && is_as_simple(m, choice, others, g, own);
     if (!m.possible(other, f)) continue;
-    const double left = f.rss - choice.fit.rss, least = m.group(g).least_gain;
-    const bool likely = left / m.scale(choice) < indistinguishable;
+    const bool arc = m.periods(g) < distinct_periods;
+    // A zero's error is constant, as the top of any wave is over a short way.
+    if (arc && m.term(choice.chosen[i]).constant) continue;
+    if (arc && !(complete && is_imitated(m, choice, others, g, own))) continue;
+    double left = f.rss - choice.fit.rss;
+    const double least = m.group(g).least_gain;
+    if (complete && left > hardly && m.term(g).relinearized) {
+      const Term original = m.candidate(g).over(m.samples().sampling);
+      left =
+          std::min(left, left_by_nonlinear(m, others, original, own.head(original.size())) - choice.fit.rss);
+    }
     // Where everything is explained, a small part that the other leaves of a small error is evidence
     // against it; of a large error, it may be the idealization of its shape.
-    const bool near = left < (1 - alternative_share) * lost &&
+    const bool near = !arc && left < (1 - alternative_share) * lost &&
                       (!complete || (left < 2 * least && lost > 2 * least / (1 - alternative_share)));
-    if (likely || near) result.replacements.push_back({result.chosen.size(), m.candidate(g)});
+    if (left < hardly || near) result.replacements.push_back({result.chosen.size(), m.candidate(g)});
   }
+}
+
+/// Parts of a period that two chosen terms imitate together. An order of which the record covers more would
+/// have been chosen, having fewer coefficients.
+/// @param places  of the choice's members in the result
+void find_imitated(const ErrorModel& m, const Choice& choice, const std::vector<std::size_t>& places,
+                   FoundCauses& result) {
+  const LinearModel::Set& chosen = choice.chosen;
+  if (!m.is_complete(chosen)) return;
+  for (std::size_t j = 1; j < chosen.size(); ++j)
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!m.term(chosen[i]).named() || !m.term(chosen[j]).named()) continue;
+      const LinearModel::Set others = without(without(chosen, j), i);
+      for (std::size_t g = 0; g < m.candidates().size(); ++g) {
+        if (!(m.periods(g) < distinct_periods) || !may_replace(m, choice, i, g)) continue;
+        LinearModel::Set other = others;
+        other.push_back(g);
+        const LinearModel::Fit f = m.fit(other);
+        if (f.rss - choice.fit.rss < indistinguishable * m.scale(choice) && m.possible(other, f) &&
+            is_imitated(m, choice, others, g, m.coefficients(other, f, others.size())))
+          for (const std::size_t k : {i, j}) result.replacements.push_back({places[k], m.candidate(g)});
+      }
+    }
 }
 
 ChosenTerm chosen_term(const ErrorModel& m, const Choice& choice, std::size_t i) {
@@ -315,10 +430,13 @@ FoundCauses found_causes(const ErrorModel& m, const Choice& choice) {
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return left[a] < left[b]; });
+  std::vector<std::size_t> places(order.size());
   for (const std::size_t i : order) {
     if (m.term(choice.chosen[i]).named()) find_replacements(m, choice, i, result);
+    places[i] = result.chosen.size();
     result.chosen.push_back(chosen_term(m, choice, i));
   }
+  find_imitated(m, choice, places, result);
   return result;
 }
 
@@ -362,7 +480,7 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
     if (std::any_of(choice.chosen.begin(), choice.chosen.end(), of_kind)) continue;
     VisibleEffect v{std::string(kind.name), {}, 0, {}};
     for (std::size_t g = 0; g < m.candidates().size() && v.smallest == 0; ++g) {
-      if (!of_kind(g) || m.candidate(g).most > 0) continue;
+      if (!of_kind(g) || m.candidate(g).most > 0 || m.candidate(g).replaces_only) continue;
       const double information = m.linear().least_information(m.groups(), choice.chosen, g);
       if (information > 0)
         set_smallest(v, m.term(g),

@@ -62,6 +62,7 @@ class Candidates {
   std::vector<Candidate> all() && {
     add_named();
     add_orders();
+    add_arcs();
     add_loaded_orders();
     if (e_.ordered) {
       add_in_time();
@@ -76,7 +77,8 @@ class Candidates {
   void add(Term t, std::string family, double alternatives, std::function<Term(const Sampling&)> over) {
     t = searchable(std::move(t));
     if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
-    found_.push_back({std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, std::move(over)});
+    found_.push_back(
+        {std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, false, std::move(over)});
   }
 
   /// A term without history: computed from the averaged signals.
@@ -140,7 +142,7 @@ class Candidates {
       };
       const std::string driven = original.of_reference ? " of the load" + read_late_ : "";
       found_.push_back({history(family + driven, size, over), family, static_cast<double>(sizes.size()),
-                        size / 1.5, size * 1.5, 0, over});
+                        size / 1.5, size * 1.5, 0, false, over});
     }
   }
 
@@ -215,6 +217,23 @@ class Candidates {
             t.pattern = Shape::order;
             return t;
           });
+    }
+  }
+
+  /// Low orders of which the record covers less than what a search chooses.
+  void add_arcs() {
+    if (e_.is_stationary()) return;
+    for (const bool of_encoder : {true, false}) {
+      if (!of_encoder && (e_.prismatic || std::abs(std::abs(e_.encoder.shaft_ratio) - 1) < 1e-9)) continue;
+      for (const double order : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+        Term t = periodic_term(e_, order, of_encoder);
+        const std::string family = family_of_order(t);
+        if (has_family(family) || periods_covered(t.effect, e_) >= least_periods) continue;
+        const std::size_t before = found_.size();
+        add(std::move(t), family, 1,
+            [order, of_encoder](const Sampling& s) { return periodic_term(s.evidence, order, of_encoder); });
+        if (found_.size() > before) found_.back().replaces_only = true;
+      }
     }
   }
 

@@ -19,6 +19,9 @@ struct Candidate {
   double alternatives = 1;     ///< size of the family, for the price of the choice
   double least = 0, most = 0;  ///< range of its coefficient in which the columns hold; 0, 0: any
   std::size_t scanned = 0;     ///< number of its event or place in the list of what scans have found
+  /// The record covers so little of its period that a search chooses it only in the place of a curve without
+  /// a name: it may be what a chosen term imitates.
+  bool replaces_only = false;
   /// The term over another sampling of the record.
   std::function<Term(const Sampling&)> over;
 };

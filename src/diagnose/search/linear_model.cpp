@@ -142,6 +142,17 @@ double LinearModel::least_information(const std::vector<ColumnGroup>& groups, co
   return symmetric_eigenvalues(own).minCoeff();
 }
 
+Eigen::VectorXd LinearModel::information(const std::vector<ColumnGroup>& groups, const Set& set,
+                                         std::size_t group) const {
+  const ColumnGroup& c = groups[group];
+  const Projected p = project(groups, set, true);
+  const auto across = p.across.middleCols(c.first, c.count);
+  const Eigen::VectorXd size = scale_.segment(c.first, c.count).cwiseInverse();
+  return symmetric_eigenvalues(
+      size.asDiagonal() * (gram_.block(c.first, c.first, c.count, c.count) - across.transpose() * across) *
+      size.asDiagonal());
+}
+
 double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set& set, double rss, double n,
                               double floor) const {
   double value = 0;

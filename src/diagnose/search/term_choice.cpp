@@ -35,6 +35,8 @@ void allow(ErrorModel& m, const ChoiceHistory& history, Which which) {
   m.allow([&](std::size_t i) {
     const std::vector<std::string>& refuted = history.refuted;
     if (!history.names && m.term(i).named()) return false;
+    if (m.candidate(i).replaces_only && !(history.arcs && m.term(i).effect.number("order") == 1))
+      return false;
     return which(i) && std::find(refuted.begin(), refuted.end(), m.candidate(i).family) == refuted.end();
   });
 }

@@ -12,6 +12,7 @@ struct ChoiceHistory {
   std::vector<std::string> found;         ///< families of the previous pass's richest set
   std::vector<std::string> refuted;       ///< families that no set may have
   bool names = true;                      ///< whether a set may have effects of the catalogue
+  bool arcs = false;                      ///< whether it may have a short part of one period per revolution
   double worth = 0, worth_of_shapes = 0;  ///< ErrorModel::price
 };
 

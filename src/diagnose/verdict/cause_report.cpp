@@ -54,9 +54,12 @@ class CauseReport {
       }
       if (t.constant && displaced_edges(scatter)) continue;  // see add_zero
       std::vector<std::string> others = inseparable_twins(effect, e_);
-      for (const Alternative& other : s.alternatives)
-        if (other.term == i) others.push_back(other.effect.type);
       Cause cause{effect, parameters[i], s.p_values[i], gain_, 0};
+      for (const Alternative& other : s.alternatives) {
+        if (other.term != i) continue;
+        others.push_back(other.effect.type);
+        if (other.effect.type == effect.type) include_order(cause, other.effect);
+      }
       cause.rms = rms(addition(t, s.model.coefficients(i)));
       cause.rms_without = std::sqrt(gain_.rms_after * gain_.rms_after + s.lost[i]);
       cause.curve = residual_curve(e_, s.model, i);
@@ -78,7 +81,8 @@ class CauseReport {
     }
   }
 
-  /// Displaced edges have a mean of their own: the zero's error is the mean beyond it.
+  /// Displaced edges have a mean of their own: the zero's error is the mean beyond it. Which channel's edges
+  /// are the displaced ones is a convention, and so is a zero's error up to the displacement.
   void add_zero(const Selection& s, const Scatter& scatter) {
     const Effect* edges = displaced_edges(scatter);
     if (!edges || !e_.encoder.zero_known) return;
@@ -88,7 +92,8 @@ class CauseReport {
     for (std::size_t i = 0; i < s.model.terms().size(); ++i)
       if (s.model.terms()[i].constant) mean = s.model.coefficients(i)[0], p_value = s.p_values[i];
     const double zero = mean - of_edges;
-    if (std::abs(zero) < std::max(material * e_.step(), 3 * error)) return;
+    const double by_convention = std::abs(scatter.pattern.alternating) * e_.step();
+    if (std::abs(zero) < by_convention + std::max(material * e_.step(), 3 * error)) return;
     for (const Term& t : named_terms(e_)) {
       if (!t.constant) continue;
       Cause cause{t.effect, {}, p_value, gain_, std::abs(zero)};
@@ -122,6 +127,16 @@ class CauseReport {
     for (const ScatterCause& c : scatter.causes)
       if (!effect_kind(c.effect.type).random()) return &c.effect;
     return nullptr;
+  }
+
+  /// Orders that fit as well are within the interval of the order.
+  static void include_order(Cause& cause, const Effect& other) {
+    const bool same_shaft = other.choices == cause.effect.choices;
+    for (FoundParameter& p : cause.parameters)
+      if (p.name == "order" && same_shaft) {
+        p.lower = std::min(p.lower, other.number("order"));
+        p.upper = std::max(p.upper, other.number("order"));
+      }
   }
 
   void add_unnamed(const Term& t, const Effect& filled, double amplitude) {

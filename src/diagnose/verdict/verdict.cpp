@@ -78,12 +78,13 @@ std::vector<Comparison> comparison(const std::vector<JointStatistics>& joints) {
 namespace {
 
 /// Whether an unidentified residual affects the verdict. If the causes of its joint explain more than 99 % of
-/// the variance, it is only reported.
+/// the variance, and what they leave is near what their model predicts, it is only reported.
 bool affects_verdict(const Unidentified& residual, const std::vector<Cause>& causes) {
-  constexpr double worth = 0.1;
+  constexpr double worth = 0.1, near = 2;
   return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
     return (c.gain.of_tip ? residual.joint == "tip" : c.effect.joint == residual.joint) &&
-           residual.amplitude < worth * c.gain.rms_before && c.gain.rms_after < worth * c.gain.rms_before;
+           residual.amplitude < worth * c.gain.rms_before && c.gain.rms_after < worth * c.gain.rms_before &&
+           !(c.gain.sigma_ratio >= near);
   });
 }
 
