@@ -135,6 +135,10 @@ def check_tracker(t, qerr, rng, folder, case):
     t.check(f"{case}: a mount that gives way is no fault of the arm", not d["causes"] and
             [u["joint"] for u in d["unexplained"]] == ["tip"], said)
     knock = np.outer(rng.uniform(0.5, 1, 2), 30 * noise * (time > rng.uniform(5, 12)))
+    heading, hit = sum(angles(time)), 20 * noise * (time > rng.uniform(5, 12))
+    d, said = diagnosed(tip(time) + white + hit * np.array([np.cos(heading), np.sin(heading)]))
+    t.check(f"{case}: a target that is knocked is no two joints that lose counts at once", not d["causes"] and
+            [u["what"] for u in d["unexplained"]] == ["a step in time"], said)
     scale = rng.uniform(0.01, 0.03)
     for name, moved in (("gives way", yields), ("is knocked", knock)):
         q = angles(time)

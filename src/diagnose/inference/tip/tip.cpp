@@ -206,10 +206,20 @@ bool is_linearization(const Unidentified& left, const Gain& gain) {
 /// What to record to distinguish two causes.
 std::string record(const TipAlternative& a, const TipTerm& chosen) {
   if (a.everywhere) return "no pose distinguishes them: measure the link or the joint's zero directly";
+  if (chosen.kinematic() && a.other.kinematic() && a.other.term.effect.joint == chosen.term.effect.joint)
+    return "poses in which " + chosen.term.effect.joint + " moves through a wider range";
   if (chosen.kinematic() && a.other.kinematic())
     return "poses in which " + a.other.term.effect.joint + " and " + chosen.term.effect.joint +
            " move through wider ranges";
   return "a better sensor on " + chosen.term.effect.joint + ", or wider motions at several speeds";
+}
+
+/// Adds what is not among them: dimensions along several axes, and orders, are one effect of a joint.
+void add_alternative(TipDiagnosis& d, AlternativeCause a) {
+  if (std::none_of(d.alternatives.begin(), d.alternatives.end(), [&](const AlternativeCause& b) {
+        return a.instead_of == b.instead_of && a.effect == b.effect && a.joint == b.joint;
+      }))
+    d.alternatives.push_back(std::move(a));
 }
 
 void name_causes(const TipSelection& s, TipDiagnosis& d) {
@@ -239,8 +249,7 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
     causes.emplace_back(m.trial({i}, {}).residual.squaredNorm(), std::move(cause));
     for (const TipAlternative& a : s.alternatives)
       if (a.term == i)
-        d.alternatives.push_back(
-            {effect.type, a.other.term.effect.type, a.other.term.effect.joint, record(a, t)});
+        add_alternative(d, {effect.type, a.other.term.effect.type, a.other.term.effect.joint, record(a, t)});
   }
   std::stable_sort(causes.begin(), causes.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -280,6 +289,7 @@ void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::Ve
   Cause cause{{type, "tip", {}, {}}, {}, p, d.gain};
   const std::vector<Parameter>& rows = effect_kind(type).parameters;
   for (Eigen::Index i = 0; i < n; ++i) {
+    if (columns.col(i).isZero(0)) continue;  // along a coordinate that is not logged
     const std::string name(rows[static_cast<std::size_t>(i)].name);
     const double half = 1.96 * std::sqrt(std::max(0.0, covariance(i, i)));
     cause.effect.numbers[name] = value[i];
@@ -315,10 +325,7 @@ void hedge_tool(const TipModel& m, TipDiagnosis& d) {
   };
   const Eigen::MatrixXd tool = m.columns({TipTerm::Kind::tool, {}, 0});
   const auto add = [&](const std::string& cause, const std::string& other, const std::string& joint) {
-    const bool known = std::any_of(d.alternatives.begin(), d.alternatives.end(), [&](const auto& a) {
-      return a.instead_of == cause && a.effect == other && a.joint == joint;
-    });
-    if (!known) d.alternatives.push_back({cause, other, joint, std::string(record)});
+    add_alternative(d, {cause, other, joint, std::string(record)});
   };
   if (!m.frames().target) {
     for (std::size_t i = 0; i < m.terms().size(); ++i)

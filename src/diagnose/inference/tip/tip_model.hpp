@@ -94,6 +94,8 @@ class TipModel {
   /// The chain as the spec has it.
   const Chain& nominal() const { return model_->chain; }
   const TipEstimate& estimate() const { return estimate_; }
+  /// Kinematics at a row, at the last linearization.
+  const TipPose& pose(Eigen::Index row) const { return (*poses_)[static_cast<std::size_t>(row)]; }
   const std::vector<TipTerm>& terms() const { return terms_; }
   Eigen::Index size() const;  ///< coefficients of all terms
   Eigen::VectorXd coefficients(std::size_t term) const;

@@ -1,5 +1,6 @@
 #include "diagnose/inference/tip/tip_remainder.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "core/random.hpp"
 #include "core/statistics.hpp"
 #include "core/text.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
 #include "diagnose/search/peaks.hpp"
 
 namespace qerr {
@@ -67,14 +69,16 @@ struct Shift {
   double share = 0;       ///< of the variance
 };
 
+/// Rows on either side: a few at an end are no shift, but where a motion or a play begins.
+Eigen::Index fewest_of_shift(Eigen::Index rows) { return std::clamp<Eigen::Index>(rows / 8, 1, 8); }
+
 Shift largest_shift(const Eigen::MatrixXd& left) {
   const Eigen::MatrixXd centred = left.rowwise() - left.colwise().mean();
   const double whole = centred.squaredNorm(), n = static_cast<double>(left.rows());
   Eigen::RowVectorXd before = Eigen::RowVectorXd::Zero(left.cols());
   Shift best{0, Eigen::RowVectorXd::Zero(left.cols()), 0};
   if (!(whole > 0)) return best;
-  // A few rows at an end are no shift, but where a motion or a play begins.
-  const Eigen::Index fewest = std::clamp<Eigen::Index>(left.rows() / 8, 1, 8);
+  const Eigen::Index fewest = fewest_of_shift(left.rows());
   for (Eigen::Index k = 1; k <= left.rows() - fewest; ++k) {
     before += centred.row(k - 1);
     if (k < fewest) continue;
@@ -198,6 +202,13 @@ TipTerm tracker_term(const TipEvidence& e, TipTerm::Kind kind, Eigen::ArrayXXd c
   return t;
 }
 
+/// One in a row and all after it.
+Eigen::ArrayXXd from_row(const TipEvidence& e, Eigen::Index row) {
+  Eigen::ArrayXXd after = Eigen::ArrayXXd::Zero(e.rows(), 1);
+  after.bottomRows(e.rows() - row).setOnes();
+  return after;
+}
+
 /// Chebyshev's polynomials in time.
 TipTerm wander(const TipEvidence& e, Eigen::Index count) {
   const Eigen::ArrayXd time = time_of(e);
@@ -207,43 +218,110 @@ TipTerm wander(const TipEvidence& e, Eigen::Index count) {
   return tracker_term(e, TipTerm::Kind::tracker, std::move(columns), 0);
 }
 
-/// The largest shift of what a fit leaves, of the tracker or of the target.
-std::optional<TipTerm> knock(const TipModel& m, TipTerm::Kind kind, Eigen::MatrixXd left) {
+/// A knocked target: a displacement in the axes of the tip from one row on, beside one of all rows, by least
+/// squares at the row where it explains most of what a fit leaves.
+std::optional<TipTerm> knocked_target(const TipModel& m, const Eigen::MatrixXd& left) {
+  constexpr double unseen = 1e-9;  // of the squares: rounding errors
   const TipEvidence& e = m.evidence();
-  if (kind == TipTerm::Kind::target) {
-    if (e.axes.size() < 3) return std::nullopt;
-    for (Eigen::Index k = 0; k < left.rows(); ++k)
-      left.row(k) = (left.row(k) * m.estimate().pose(e, k).tool).eval();
+  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Matrix3d> squares_to;
+  std::vector<Eigen::Vector3d> sum_to;
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    squares_to.push_back(all);
+    sum_to.push_back(sum);
+    const Eigen::MatrixXd axes = m.pose(k).tool(e.axes, Eigen::all);
+    all += axes.transpose() * axes;
+    sum += axes.transpose() * left.row(k).transpose();
   }
-  const Shift shift = largest_shift(left);
-  if (shift.row == 0) return std::nullopt;
-  Eigen::ArrayXXd after = Eigen::ArrayXXd::Zero(e.rows(), 1);
-  after.bottomRows(e.rows() - shift.row).setOnes();
-  return tracker_term(e, kind, std::move(after), shift.row);
+  const auto explained = [&](const Eigen::Matrix3d& of, const Eigen::Vector3d& by) {
+    const Eigen::Matrix3d regular = of + unseen * all.trace() * Eigen::Matrix3d::Identity();
+    return by.dot(regular.inverse() * by);
+  };
+  double most = 0;
+  Eigen::Index row = 0;
+  const Eigen::Index fewest = fewest_of_shift(e.rows());
+  for (Eigen::Index k = fewest; k <= e.rows() - fewest; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const double here =
+        explained(squares_to[at], sum_to[at]) + explained(all - squares_to[at], sum - sum_to[at]);
+    if (here > most) most = here, row = k;
+  }
+  std::vector<Eigen::Index> seen;  // of a plane its axis is not
+  for (Eigen::Index i = 0; i < 3; ++i)
+    if (all(i, i) > unseen * all.trace()) seen.push_back(i);
+  if (row == 0 || seen.empty()) return std::nullopt;
+  TipTerm t = tracker_term(e, TipTerm::Kind::target, from_row(e, row), row);
+  t.directions = Eigen::Matrix3d::Identity()(Eigen::all, seen);
+  return t;
 }
 
-/// Links that become longer from the start of the record on, as those that become warm do.
+/// The largest shift of what a fit leaves, of the tracker or of the target.
+std::optional<TipTerm> knock(const TipModel& m, TipTerm::Kind kind, const Eigen::MatrixXd& left) {
+  if (kind == TipTerm::Kind::target) return knocked_target(m, left);
+  const Shift shift = largest_shift(left);
+  if (shift.row == 0) return std::nullopt;
+  return tracker_term(m.evidence(), kind, from_row(m.evidence(), shift.row), shift.row);
+}
+
+/// 1 - exp(-t/time_constant) from the start of the record on, whose first rows are not judged: of a machine
+/// or of a mount that becomes warm.
+Term approach(const RecordSignals& s, double time_constant) {
+  constexpr double shortest = 0.1;  // of the record: of a shorter one this is a constant, as a frame's
+  time_constant = std::max(time_constant, shortest * s.time[s.rows() - 1]);
+  Term t;
+  t.columns = 1 - (-s.time / time_constant).exp();
+  t.effect.numbers["time_constant"] = t.shape = time_constant;
+  t.half_width = 0.7 * time_constant;
+  t.reshaped = [](const RecordSignals& record, const Term& before, double shape) {
+    Term other = approach(record, shape);
+    other.effect.joint = before.effect.joint;
+    other.unnamed = before.unnamed;
+    other.fill = before.fill;
+    return other;
+  };
+  return t;
+}
+
+/// A displacement by an exponential approach, at the time constant that explains most.
+TipTerm best_approach(const TipModel& m, TipTerm t) {
+  const RecordSignals& record = m.evidence().encoders.front();
+  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
+  const Term plain = t.term;
+  t.term.columns = Eigen::ArrayXXd::Ones(record.rows(), 1);
+  const Eigen::MatrixXd unit = m.columns(t);
+  double best = 0, most = -1;
+  const auto try_constant = [&](double wanted) {
+    const double constant = approach(record, wanted).shape;
+    Eigen::MatrixXd columns = unit;
+    for (Eigen::Index k = 0; k < record.rows(); ++k)
+      columns.middleRows(k * coordinates, coordinates) *= 1 - std::exp(-record.time[k] / constant);
+    if (const double gain = gain_of(m.solution(), m.beyond(columns)); gain > most)
+      most = gain, best = constant;
+  };
+  for (const double part : {0.1, 0.3, 1.0}) try_constant(part * record.time[record.rows() - 1]);
+  // Between these, or beyond: polynomials must not win by a better resolution.
+  for (double factor = std::sqrt(3.0); factor > 1.05; factor = std::sqrt(factor))
+    for (const double by : {1 / factor, factor}) try_constant(by * best);
+  t.term = approach(record, best).reshaped(record, plain, best);
+  return t;
+}
+
+/// Links that become longer, as those that become warm do.
 std::vector<TipTerm> growths(const TipModel& m) {
   constexpr double shortest_link = 0.03;  // [m] (convention): 30 K on aluminium are 20 um
-  const TipEvidence& e = m.evidence();
   const Chain& chain = m.nominal();
-  // From the start of the record on, whose first rows are not judged.
-  const Eigen::ArrayXd time = e.ordered ? e.encoders.front().time : time_of(e), part = time / time.maxCoeff();
-  Eigen::ArrayXXd columns(e.rows(), 3);
-  columns << part, 1 - (-part / 0.3).exp(), 1 - (-part / 0.1).exp();  // another constant is between these
   std::vector<TipTerm> terms;
   for (std::size_t j = 0; j <= chain.joints.size(); ++j) {
     const bool last = j == chain.joints.size();
     const Eigen::Vector3d along = (last ? chain.tip_offset : chain.joints[j].origin).translation();
     if (along.norm() < shortest_link) continue;
     TipTerm t = displacement_in_time(
-        TipTerm::Kind::growth, columns, j,
+        TipTerm::Kind::growth, {}, j,
         "the link before " + (last ? "the tip" : chain.joints[j].name) + " grows with time");
-    t.term.fill = [](Effect& x, const Eigen::VectorXd& c) {
-      x.numbers["amplitude"] = c.sum();
-    };  // at the end
+    t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c[0]; };
     t.directions = along.normalized();
-    terms.push_back(std::move(t));
+    terms.push_back(best_approach(m, std::move(t)));
   }
   return terms;
 }
@@ -255,6 +333,7 @@ std::vector<TipTerm> tracker_terms(const TipModel& m) {
   std::vector<TipTerm> terms;
   for (Eigen::Index degree = 1; degree < most_polynomials; degree *= 2)
     if (degree == 1 || degree < m.evidence().rows() / 16) terms.push_back(wander(m.evidence(), degree + 1));
+  terms.push_back(best_approach(m, tracker_term(m.evidence(), TipTerm::Kind::tracker, {}, 0)));
   const Eigen::MatrixXd left = m.in_base(m.solution().residual);
   for (const TipTerm::Kind kind : {TipTerm::Kind::tracker, TipTerm::Kind::target})
     if (auto step = knock(m, kind, left)) terms.push_back(std::move(*step));
@@ -287,7 +366,8 @@ Unidentified tracker_finding(const TipModel& m, std::size_t term) {
   const TipEvidence& e = m.evidence();
   const Eigen::VectorXd c = m.coefficients(term);
   if (t.kind == TipTerm::Kind::growth) {
-    Unidentified u{"tip", t.term.unnamed, {}, {}, std::abs(c.sum())};
+    const double by = c[0] * t.term.columns(e.rows() - 1, 0);
+    Unidentified u{"tip", t.term.unnamed, {}, {}, std::abs(by)};
     u.next = "let the robot warm up before it is measured, or measure its temperature beside";
     return u;
   }

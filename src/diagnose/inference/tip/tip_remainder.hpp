@@ -24,8 +24,9 @@ inline constexpr double computed_tip = 1e-9;
 std::vector<Unidentified> tip_remainder(const TipModel&, const Eigen::MatrixXd& left);
 
 /// What a tracker, its target or a link may do during the record: wander along each coordinate, as a
-/// polynomial of time of degree 1, 2, 4 or 8; one displacement from the row on where what
-/// the model leaves has its largest shift; grow along the link towards an end. None of fewer than 24 rows.
+/// polynomial of time of degree 1, 2, 4 or 8, or exponentially towards an end; one displacement from the row
+/// on where what the model leaves has its largest shift; grow exponentially along the link towards an end.
+/// None of fewer than 24 rows.
 std::vector<TipTerm> tracker_terms(const TipModel&);
 
 /// Moves displacements that were chosen before other causes were to the rows where these leave them.

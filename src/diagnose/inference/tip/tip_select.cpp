@@ -1,6 +1,7 @@
 #include "diagnose/inference/tip/tip_select.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -80,7 +81,7 @@ bool same(const TipTerm& a, const TipTerm& b) {
   const Effect &x = a.term.effect, &y = b.term.effect;
   return a.kind == b.kind && a.where == b.where && a.directions == b.directions && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
-         x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
+         x.numbers.contains("time_constant") == y.numbers.contains("time_constant") &&  // which is fitted
          x.number_or("time", 0) == y.number_or("time", 0) && (!a.of_record() || a.size() == b.size());
 }
 
@@ -151,10 +152,9 @@ std::optional<TipStep> next_step(const TipModel& model, std::vector<TipTerm> all
     if (gain > 4) passing.emplace_back(gain, i);
   }
   std::sort(passing.rbegin(), passing.rend());
-  // Of many coefficients, displacements of the tracker gain more than what is simpler.
-  const auto of_record =
-      std::count_if(all.begin(), all.end(), [](const TipTerm& t) { return t.of_record(); });
-  passing.resize(std::min<std::size_t>(passing.size(), most_tip_fits + static_cast<std::size_t>(of_record)));
+  // Of many coefficients, displacements of the tracker gain more than what is simpler: both have their share.
+  std::array<int, 2> fits{};
+  std::erase_if(passing, [&](const auto& p) { return ++fits[all[p.second].of_record()] > most_tip_fits; });
   std::optional<TipStep> best;
   for (const auto& [gain, i] : passing) {
     const Eigen::Index size = columns[i].cols();
@@ -186,7 +186,8 @@ std::optional<TipStep> next_step(const TipModel& model, std::vector<TipTerm> all
 void reshape(TipModel& model, std::size_t term) {
   TipTerm best = model.terms()[term];
   if (!best.term.reshaped) return;
-  const Evidence own = corrected_evidence(model.evidence(), model.estimate(), best.where);
+  const Evidence own = best.of_record() ? model.evidence().encoders.front()
+                                        : corrected_evidence(model.evidence(), model.estimate(), best.where);
   TipSolution solution = model.solution();
   bool moved = false;
   for (double step = 0.5 * best.term.half_width; step > 0.02 * best.term.half_width; step /= 2)
@@ -367,7 +368,11 @@ TipModel best_framed(const OperationalModel& model, const TipEvidence& e, Unknow
   for (const UnknownFrames frames :
        {UnknownFrames{.target = true}, UnknownFrames{.base = true}, UnknownFrames{true, true}}) {
     if (frames.size() <= start.size()) continue;
-    if (!needs(frames, ideal, options) && !needs(frames, known, options) && !needs(frames, bare, options))
+    // What moves the tracker has a mean, too.
+    const bool in_time = std::any_of(known.terms().begin(), known.terms().end(),
+                                     [](const TipTerm& t) { return t.of_record(); });
+    if ((in_time || !needs(frames, ideal, options)) && !needs(frames, known, options) &&
+        !needs(frames, bare, options))
       continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
     if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) {
@@ -393,33 +398,75 @@ UnknownFrames frames_of_some_rows(const OperationalModel& model, const TipEviden
   return best_framed(model, some, {}, seed, options).frames();
 }
 
+/// Sum of squares that a model leaves beside a constant displacement, which is no matter of time [m^2].
+double left_beside_constant(const TipModel& m, const std::optional<TipStep>& more) {
+  const Eigen::MatrixXd constant = m.columns({TipTerm::Kind::base, {}, 0}).leftCols<3>();
+  Eigen::MatrixXd columns(constant.rows(), 3 + (more ? more->theta.size() : 0));
+  columns.leftCols<3>() = constant;
+  if (more) columns.rightCols(more->theta.size()) = m.columns(more->term);
+  return m.trial({}, columns).residual.squaredNorm();
+}
+
+/// The displacement of the tracker that alone explains most, and the sums of squares without and with it.
+struct Displacement {
+  std::optional<TipStep> step;
+  double before = 0, after = 0;
+};
+
+Displacement displacement_alone(const TipModel& ideal, const TipSelectOptions& options) {
+  Displacement d{next_step(ideal, tracker_terms(ideal), options)};
+  if (!d.step) return d;
+  d.before = left_beside_constant(ideal, {});
+  d.after = left_beside_constant(ideal, d.step);
+  return d;
+}
+
 /// Whether a displacement of the tracker in time explains what the causes leave, or alone half of what
 /// several of them explain: these may imitate it.
-bool may_be_displaced(const TipModel& found, const TipModel& ideal, const TipSelectOptions& options) {
+bool may_be_displaced(const TipModel& found, const Displacement& alone, const TipSelectOptions& options) {
   constexpr Eigen::Index several = 3;  // coefficients: the simplest displacement has as many
   if (next_step(found, tracker_terms(found), options)) return true;
-  if (found.size() + found.frames().size() < several) return false;
-  const std::optional<TipStep> alone = next_step(ideal, tracker_terms(ideal), options);
-  if (!alone) return false;
-  const TipSolution s = ideal.trial({}, ideal.columns(alone->term));
-  return s.residual.squaredNorm() < 0.5 * ideal.solution().residual.squaredNorm();
+  const auto in_time = std::count_if(found.terms().begin(), found.terms().end(),
+                                     [](const TipTerm& t) { return !t.kinematic(); });
+  if (!alone.step || (in_time < 2 && found.size() + found.frames().size() < several)) return false;
+  const double explained = alone.before - found.solution().residual.squaredNorm();
+  return alone.before - alone.after > 0.5 * explained;
+}
+
+/// The value of a model among those of a record that may have a displaced tracker: many faults that together
+/// imitate a tracker's are rarer than its one, and each step is at one of many rows. Several joints that lose
+/// counts at the same instant are a coincidence.
+double value_among_tracked(const TipModel& m) {
+  const auto steps = std::count_if(m.terms().begin(), m.terms().end(), [](const TipTerm& t) {
+    return t.term.step || (t.of_record() && t.kind != TipTerm::Kind::growth && t.where > 0);
+  });
+  return value_with_penalties(m) - better_by * static_cast<double>(m.terms().size()) -
+         static_cast<double>(steps) * std::log(static_cast<double>(m.evidence().rows()));
+}
+
+bool is_displaced(const TipModel& m) {
+  return std::any_of(m.terms().begin(), m.terms().end(), [](const TipTerm& t) { return t.of_record(); });
 }
 
 TipModel best_tracked(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                       TipSelectOptions options) {
-  TipModel found = best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options);
-  if (!may_be_displaced(found, TipModel(model, e, {}, seed), options)) return found;
-  options.tracker = true;
-  TipModel more = grown(found, options), fresh = best_framed(model, e, {}, seed, options);
-  // Many faults that together imitate a tracker's are rarer than its one.
-  const auto value = [](const TipModel& m) {
-    return value_with_penalties(m) - better_by * static_cast<double>(m.terms().size());
-  };
-  for (TipModel* other : {&more, &fresh}) {
-    const bool displaced = std::any_of(other->terms().begin(), other->terms().end(),
-                                       [](const TipTerm& t) { return t.of_record(); });
-    if (displaced && value(*other) > value(found)) found = std::move(*other);
+  const Displacement alone = displacement_alone(TipModel(model, e, {}, seed), options);
+  TipSelectOptions with_tracker = options;
+  with_tracker.tracker = true;
+  // Where a displacement leaves less than half, models without it are sought among those of few causes only:
+  // many would imitate it.
+  std::optional<TipModel> fresh;
+  if (alone.step && alone.after < 0.5 * alone.before) {
+    fresh = best_framed(model, e, {}, seed, with_tracker);
+    if (is_displaced(*fresh)) options.most_terms = fresh->terms().size() + 2;
   }
+  TipModel found = best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options);
+  if (!fresh && !may_be_displaced(found, alone, options)) return found;
+  if (!fresh) fresh = best_framed(model, e, {}, seed, with_tracker);
+  TipModel more = grown(found, with_tracker);
+  for (TipModel* other : {&more, &*fresh})
+    if (is_displaced(*other) && value_among_tracked(*other) > value_among_tracked(found))
+      found = std::move(*other);
   return found;
 }
 

@@ -144,6 +144,33 @@ bool exchange(Sanity& s, TrackedTip& t) {
   return false;
 }
 
+/// Axes that run against the model's, one of three or all: no rotation of a frame turns a right-handed one
+/// into these.
+bool turn_sign(Sanity& s, TrackedTip& t) {
+  std::vector<std::size_t> mirrored;
+  for (std::size_t i = 0; i < t.axes.size(); ++i) {
+    const double related = correlation(t.of_model(t.axes[i]), t.of_record(i));
+    if (std::abs(related) < crossed) return false;
+    if (related < 0) mirrored.push_back(i);
+  }
+  if (t.axes.size() < 3 || mirrored.size() % 2 == 0) return false;
+  std::string headers;
+  for (const std::size_t i : mirrored) headers += (headers.empty() ? "" : ", ") + header_of(s, t, i);
+  s.data.push_back({headers + (mirrored.size() > 1 ? " look" : " looks") +
+                        " mirrored: against the model's motion, which no frame's rotation is",
+                    "tip",
+                    1,
+                    {},
+                    "turn the sign of the column, or use a right-handed frame of the tracker",
+                    DataKind::contradictory});
+  s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
+  for (const std::size_t i : mirrored) {
+    s.log.values.col(t.columns[i]) *= -1;
+    t.recorded.col(static_cast<Eigen::Index>(i)) *= -1;
+  }
+  return true;
+}
+
 /// Columns in another unit than their headers say.
 void convert_unit(Sanity& s, TrackedTip& t) {
   double recorded = 0, model = 0;
@@ -190,7 +217,7 @@ void check_tracker(Sanity& s) {
   constexpr double rounding = 1e-9;  // [m]: joints that do not move the tip say nothing of the tracker
   std::optional<TrackedTip> t = tracked_tip(s);
   if (!t || !t->moves || t->model.rows() < fewest_rows_of_slope || largest_deviation(*t) < rounding) return;
-  if (!exchange(s, *t)) convert_unit(s, *t);
+  if (!exchange(s, *t) && !turn_sign(s, *t)) convert_unit(s, *t);
   const std::string what = contradiction(s, *t);
   if (what.empty()) return;
   double squares = 0;
