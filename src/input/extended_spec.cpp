@@ -12,7 +12,6 @@
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/spec_variants.hpp"
-#include "input/yaml_text.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/input/spec.hpp"

@@ -10,7 +10,7 @@
 #include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
 #include "input/urdf_reader.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/chain.hpp"

@@ -8,7 +8,7 @@
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 
 namespace qerr {
 

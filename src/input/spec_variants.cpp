@@ -7,7 +7,7 @@
 #include "input/joint_entries.hpp"
 #include "input/override.hpp"
 #include "input/spec_reader.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

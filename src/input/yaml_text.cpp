@@ -1,10 +1,9 @@
-#include "input/yaml_text.hpp"
-
 #include <algorithm>
 #include <string_view>
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
