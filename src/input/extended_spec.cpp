@@ -7,7 +7,6 @@
 
 #include "core/lists.hpp"
 #include "effect/effects/effects.hpp"
-#include "input/changed_spec.hpp"
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
