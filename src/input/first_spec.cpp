@@ -8,7 +8,7 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/joint_table.hpp"
+#include "input/read_sections.hpp"
 #include "input/urdf_reader.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/encoder/encoder.hpp"

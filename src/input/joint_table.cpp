@@ -1,5 +1,3 @@
-#include "input/joint_table.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "input/joint_entries.hpp"
 #include "input/log_columns.hpp"
 #include "input/log_table.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -7,7 +7,6 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/joint_table.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 

@@ -6,7 +6,7 @@
 #include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
-#include "input/joint_table.hpp"
+#include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
