@@ -6,7 +6,7 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/encoder_keys.hpp"
+#include "input/joint_entries.hpp"
 #include "input/override.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"

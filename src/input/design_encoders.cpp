@@ -6,7 +6,6 @@
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
 #include "input/design_request.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/encoder/encoder.hpp"

@@ -8,7 +8,6 @@
 #include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/encoder/encoder.hpp"

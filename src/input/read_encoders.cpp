@@ -6,7 +6,6 @@
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/object_reader.hpp"
 #include "qerr/core/parameter.hpp"
