@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "bound/error_columns.hpp"
-#include "design/choice_figure.hpp"
 #include "design/encoder_choice.hpp"
 #include "input/design_request.hpp"
 #include "input/spec_variants.hpp"
