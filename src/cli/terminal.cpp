@@ -1,5 +1,3 @@
-#include "cli/terminal.hpp"
-
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -14,6 +12,7 @@
 #include <string>
 
 #include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"
