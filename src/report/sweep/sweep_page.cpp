@@ -1,4 +1,3 @@
-#include "report/sweep/sweep_page.hpp"
 
 #include <algorithm>
 #include <cctype>
