@@ -192,24 +192,28 @@ class CutPool {
   double reduction_of_rooms_ = 0;
 };
 
-/// What a search looks for.
-struct ChoiceRequest {
+/// What a search looks for: choices of encoders, or designs, which have filters, too.
+template <class Choice>
+struct SearchRequest {
   std::vector<double> limits;                      ///< [figure]; +infinity: none
   std::int64_t most = std::int64_t{1} << 62;       ///< highest price
   std::size_t wanted = 2;                          ///< how many choices, 1 or 2
-  std::vector<OptionChoice> known = {};            ///< to begin with, if they meet the limits
-  std::vector<OptionChoice> excluded = {};         ///< not to be found
+  std::vector<Choice> known = {};                  ///< to begin with, if they meet the limits
+  std::vector<Choice> excluded = {};               ///< not to be found
   double work = 1.5e10;                            ///< multiply-adds, about, after which the search ends
   std::function<void(double part)> progress = {};  ///< called with the part of `work` that is done
 };
+using ChoiceRequest = SearchRequest<OptionChoice>;
 
 /// The choices found, least price first.
-struct ChoiceResult {
-  std::vector<OptionChoice> best;
+template <class Choice>
+struct SearchResult {
+  std::vector<Choice> best;
   bool proven = true;      ///< no other choice precedes them
   std::int64_t bound = 0;  ///< lower bound of the price of all choices that meet the limits, if not proven
   double work = 0;
 };
+using ChoiceResult = SearchResult<OptionChoice>;
 
 /// Least-price choice of an option for every joint, by branch and bound, with proof.
 ///
