@@ -161,15 +161,13 @@ std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedF
 }
 
 const NamedFigure* find_figure(const NamedFigures& in, const NamedFigure& like) {
-  const auto found = std::find_if(in.figures.begin(), in.figures.end(), [&](const NamedFigure& f) {
-    return f.quantity == like.quantity && f.statistic == like.statistic;
-  });
+  const auto found = std::find_if(in.figures.begin(), in.figures.end(),
+                                  [&](const NamedFigure& f) { return same_figure(f, like); });
   return found == in.figures.end() ? nullptr : &*found;
 }
 
 bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b) {
-  return a.figure.quantity == b.figure.quantity && a.figure.statistic == b.figure.statistic &&
-         a.at_least == b.at_least;
+  return same_figure(a.figure, b.figure) && a.at_least == b.at_least;
 }
 
 ReportComparison compare(NamedFigures a, NamedFigures b) {
@@ -188,7 +186,7 @@ namespace {
 
 bool has_limit(const NamedFigures& report, const NamedFigure& f, bool at_least) {
   return std::any_of(report.requirements.begin(), report.requirements.end(), [&](const JudgedRequirement& r) {
-    return r.figure.quantity == f.quantity && r.figure.statistic == f.statistic && r.at_least == at_least;
+    return same_figure(r.figure, f) && r.at_least == at_least;
   });
 }
 
