@@ -36,15 +36,15 @@ std::vector<std::string> keys_of_spec() {
   const auto add = [&](const std::string& section, const std::vector<Parameter>& rows) {
     for (const Parameter& row : rows) keys.push_back(section + std::string(row.name));
   };
-  add("", spec_format::top());
-  add("robot.", spec_format::robot());
-  for (const char* const section : {"robot.tool.", "robot.tracker."}) add(section, spec_format::pose());
+  add("", spec_format::top);
+  add("robot.", spec_format::robot);
+  for (const char* const section : {"robot.tool.", "robot.tracker."}) add(section, spec_format::pose);
   for (const std::string& key : encoder_keys()) keys.push_back("encoders.*." + key);
-  add("configurations.", spec_format::configurations());
-  add("motion.", spec_format::motion());
-  add("control.", spec_format::control());
-  add("log.", spec_format::log());
-  add("design.", spec_format::design());
+  add("configurations.", spec_format::configurations);
+  add("motion.", spec_format::motion);
+  add("control.", spec_format::control);
+  add("log.", spec_format::log);
+  add("design.", spec_format::design);
   return keys;
 }
 

@@ -297,18 +297,18 @@ std::string home_of(std::string_view key) {
   const auto count = [&](const std::vector<Parameter>& rows, const char* home) {
     if (has_row(rows, key) && found != home) found = home, ++homes;
   };
-  count(top(), "at the left margin, beside robot and encoders");
-  count(robot(), "in robot: {...}");
-  count(configurations(), "in configurations: {...}");
-  count(threshold(), "in threshold: {...}");
-  count(motion(), "in motion: {...}");
+  count(top, "at the left margin, beside robot and encoders");
+  count(robot, "in robot: {...}");
+  count(configurations, "in configurations: {...}");
+  count(threshold, "in threshold: {...}");
+  count(motion, "in motion: {...}");
   count(requirement(), "in an entry of requirements: [...]");
-  count(joint_motion(), "in a joint of motion: {joints: {...}}");
+  count(joint_motion, "in a joint of motion: {joints: {...}}");
   count(filter(), "in an entry of filters: {...}");
-  count(sine(), "in an entry of sines: [...]");
-  count(effect(), "in an entry of effects: [...]");
-  count(sweep(), "in an entry of sweep: [...]");
-  count(lowpass(), "in the filter's lowpass: {...}");
+  count(sine, "in an entry of sines: [...]");
+  count(effect, "in an entry of effects: [...]");
+  count(sweep, "in an entry of sweep: [...]");
+  count(lowpass, "in the filter's lowpass: {...}");
   for (const FilterFamily& family : filter_families())
     count(family.parameters, "in the filter's lowpass: {...}");
   for (const EncoderKind& kind : encoder_kinds())
@@ -340,7 +340,7 @@ const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entr
   for (const Node::Entry& other : map.entries) {
     if (&other == &entry) return section;
     const bool empty = other.value.type == Node::Type::null;
-    if (empty || has_row(spec_format::top(), other.key.name)) section = empty ? &other : nullptr;
+    if (empty || has_row(spec_format::top, other.key.name)) section = empty ? &other : nullptr;
   }
   return nullptr;
 }

@@ -192,7 +192,7 @@ void refuse_for(const Object& o, const std::string& method, const std::vector<st
 void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
                          Faults& faults) {
   Node absent{Node::Type::mapping, {spec.file, 1, 1}, {}, false, {}, {}};
-  const Object o(f.node ? f : Field{&absent, "configurations"}, spec_format::configurations());
+  const Object o(f.node ? f : Field{&absent, "configurations"}, spec_format::configurations);
   Configurations& c = spec.configurations;
   c.ranges = read_ranges(o, robot, spec, faults);
   const std::string method = o.choice("method");

@@ -87,7 +87,7 @@ Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec
 
 void read_design(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
                  Faults& faults) {
-  const Object o(f, spec_format::design());
+  const Object o(f, spec_format::design);
   const auto request = std::make_shared<DesignRequest>();
   request->place = f.node->place;
   faults.guard([&] { read_goal(o, spec, *request); });
@@ -185,7 +185,7 @@ void read_design_gains(const Field& f, const RobotModel& robot, const Spec& spec
   for (const auto& entry : read_map(f))
     faults.guard([&] {
       const auto& [key, field] = entry;
-      const Object o(field, spec_format::design_gains());
+      const Object o(field, spec_format::design_gains);
       if (!o.has("kp") && !o.has("kd")) field.refuse("has nothing to choose", "give lists of kp or kd");
       GainOptions of;
       of.place = key.place;
@@ -258,7 +258,7 @@ FilterOptions read_filter_options(const Node::Key& key, const Field& f, const Sp
     throw Error(key.place, f.path, "the spec has no filter of this name", qerr::quoted(key.name),
                 spec.filters.empty() ? "add it to `filters:` with derivative and sample_rate"
                                      : did_you_mean(key.name, names_of(spec.filters)));
-  const Object o(f, spec_format::design_filter());
+  const Object o(f, spec_format::design_filter);
   FilterOptions options;
   options.filter = static_cast<std::size_t>(found - spec.filters.data());
   options.place = key.place;
@@ -276,7 +276,7 @@ FilterOptions read_filter_options(const Node::Key& key, const Field& f, const Sp
   read_cutoff(o, sample_rate, options);
   options.range.delay = o.number("delay");
   if (o.has("tracking")) {
-    const Object t(o.at("tracking"), spec_format::design_tracking());
+    const Object t(o.at("tracking"), spec_format::design_tracking);
     options.range.tracking = {*t.number("band"), *t.number("at_most")};
     if (!(options.range.tracking->band < 0.5 * sample_rate))
       t.at("band").refuse("must be below half the sample rate", "give the highest frequency of the motion");

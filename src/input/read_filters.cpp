@@ -126,7 +126,7 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
     lowpass.refuse("must be a mapping",
                    "write {family: " + std::string(filter_families().front().name) + ", ...}");
   const FilterFamily& family = read_member(lowpass, "family", filter_families(), "no such filter family");
-  std::vector<Parameter> format = spec_format::lowpass();
+  std::vector<Parameter> format = spec_format::lowpass;
   format.insert(format.end(), family.parameters.begin(), family.parameters.end());
   const Object parameters(lowpass, format);
   d.numbers = parameters.numbers(family.parameters);
@@ -278,7 +278,7 @@ void read_estimators(const Field& f, const RobotModel& robot, Spec& spec, Faults
       if (find_named(spec.filters, name.name))
         throw Error(name.place, entry.path, "a filter has the same name", quoted(name.name),
                     "choose another name: reports have both in one table");
-      std::vector<Parameter> format = spec_format::estimator();
+      std::vector<Parameter> format = spec_format::estimator;
       format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
       const Object o(entry, format);
       EstimatorDesign d{
