@@ -54,8 +54,6 @@ void add_examples(Page& page, const std::vector<Example>& examples) {
   page.blocks.push_back(verbatim(text));
 }
 
-}  // namespace
-
 Page command_page(const Command& command) {
   Page page{std::string(command.name), std::string(command.summary), {heading("Usage")}};
   page.blocks.push_back(verbatim(usage_line(command) + '\n'));
@@ -73,6 +71,8 @@ Page command_page(const Command& command) {
   }
   return page;
 }
+
+}  // namespace
 
 Page overview_page() {
   Page page{"",

@@ -333,8 +333,7 @@ std::optional<Fault> after_decimal_comma(const Field& map, const Node::Entry& en
   return std::nullopt;
 }
 
-}  // namespace
-
+/// Whether an empty section precedes the entry, so that the entry was probably meant to be in it.
 const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entry) {
   const Node::Entry* section = nullptr;
   for (const Node::Entry& other : map.entries) {
@@ -344,6 +343,8 @@ const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entr
   }
   return nullptr;
 }
+
+}  // namespace
 
 std::string with_space_after_colon(const std::string& text) {
   const std::size_t colon = text.find(':');

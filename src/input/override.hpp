@@ -55,8 +55,4 @@ std::string changed_spec(const Spec&, const std::vector<SpecChange>& changes,
                          const std::vector<Node>& effects, const std::string& remark,
                          const std::string& target);
 
-/// Rewrites the paths of a spec's tree, which are relative to the spec, for a spec that stands elsewhere.
-/// @param from, to  paths of the specs; `-` is in the working folder
-void move_paths(Node& root, const std::string& from, const std::string& to);
-
 }  // namespace qerr

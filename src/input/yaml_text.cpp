@@ -99,13 +99,13 @@ bool same_nodes(const Node& a, const Node& b, const Same& same) {
   });
 }
 
-}  // namespace
-
 bool same_value(const Node& a, const Node& b) {
   return same_nodes(a, b, [](const Node& x, const Node& y) {
     return x.quoted != y.quoted && parse_number(x.text) ? std::optional(false) : std::nullopt;
   });
 }
+
+}  // namespace
 
 bool same_meaning(const Node& a, const Node& b) {
   return same_nodes(a, b, [](const Node& x, const Node& y) {

@@ -76,8 +76,7 @@ std::string block_key(const std::string& written, const std::string& indent);
 /// A comment of one or more lines, each with its `# `, indented. @returns "" for no comment
 std::string commented(const std::string& comment, const std::string& indent);
 
-/// Whether two values are equal, apart from places and comments; or mean the same, as 1 kHz and 1000 do.
-bool same_value(const Node&, const Node&);
+/// Whether two values mean the same, as 1 kHz and 1000 do, apart from places and comments.
 bool same_meaning(const Node&, const Node&);
 
 /// Edits a YAML text so that it has the value `wanted`; comments, order and layout of unchanged values are

@@ -63,8 +63,8 @@ std::map<std::string, double> rounded_zeros(const NamedFigures& a, const NamedFi
   return sizes;
 }
 
-}  // namespace
-
+/// The largest relative changes first, those of one report only at the end.
+/// @throws Error (input) if a figure has two units
 std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigures& b) {
   std::map<std::string, double> zeros = rounded_zeros(a, b);
   std::vector<FigureChange> changes;
@@ -90,8 +90,6 @@ std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigur
                    [&](const FigureChange& x, const FigureChange& y) { return size(x) > size(y); });
   return changes;
 }
-
-namespace {
 
 std::vector<ShareChange> share_changes(const NamedFigures& a, const NamedFigures& b) {
   std::vector<ShareChange> changes;

@@ -14,10 +14,6 @@ inline bool same_figure(const NamedFigure& a, const NamedFigure& b) {
 /// The same figure of a report; null if there is none.
 const NamedFigure* find_figure(const NamedFigures&, const NamedFigure& like);
 
-/// The largest relative changes first, those of one report only at the end.
-/// @throws Error (input) if a figure has two units
-std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigures& b);
-
 /// What makes the figures of two reports hard to compare.
 std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedFigures& b);
 

@@ -75,16 +75,6 @@ struct SweepAbscissa {
   bool logarithmic = false;        ///< equally spaced in the logarithm
 };
 
-/// One of each axis that has such a key, with two values at least: of its first one.
-std::vector<SweepAbscissa> abscissas_of(const SweepGrid&);
-
-/// A value of a key for people: a number of many digits, such as the steps of a logarithmic range have, with
-/// six of them.
-std::string short_value(const std::string& name);
-
-/// `most` of `count` numbers from 0 on, evenly spread, the first and the last one among them.
-std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most);
-
 /// Which variants of a sweep a page draws: it depends on the grid alone, so that the same ones are drawn
 /// whatever the threads.
 struct DrawnVariants {
@@ -101,11 +91,6 @@ struct DrawnVariants {
 
   double value(const SweepGrid&, std::uint64_t variant) const;
 };
-
-/// Over each axis of numbers in turn, at most four of them; one, of bars, where there is none.
-/// @param figures     that are drawn of each variant
-/// @param most_bytes  of the pictures, about
-std::vector<DrawnVariants> drawn_variants(const SweepGrid&, std::size_t figures, std::size_t most_bytes);
 
 /// A sweep as a page: its requirements' values, the largest worst case of every coordinate and the largest
 /// sigma behind every filter, over each key that has numbers, one line for each combination of the others.
