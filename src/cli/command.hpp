@@ -135,7 +135,7 @@ struct Command {
 };
 
 /// Every command, in the order of the help, with the options that all have. To add one: a file that defines
-/// its row, and a line in commands.cpp.
+/// its row, and a line in command_line.cpp.
 const std::vector<Command>& commands();
 
 /// The row of this name; null if there is none.

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "cli/command.hpp"
-#include "cli/terminal.hpp"
+#include "cli/shared.hpp"
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"
 #include "qerr/core/error.hpp"

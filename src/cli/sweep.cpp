@@ -18,7 +18,6 @@
 #include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shards.hpp"
-#include "report/sweep/sweep_page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::cli {

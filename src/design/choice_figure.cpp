@@ -1,11 +1,10 @@
-#include "design/choice_figure.hpp"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/statistics.hpp"
+#include "design/encoder_choice.hpp"
 
 namespace qerr {
 

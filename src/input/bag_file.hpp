@@ -25,14 +25,6 @@ struct BagSample {
   std::vector<std::pair<std::string, double>> values;  ///< `/joint_states/elbow/position`
 };
 
-/// Whether messages of a type are decoded: JointState, poses, points, transforms, single numbers.
-bool is_decoded(std::string_view type);
-
-/// Decodes a message; names are those that PlotJuggler gives: `TOPIC/JOINT/position`,
-/// `TOPIC/pose/position/x`, `TOPIC/CHILD_FRAME/translation/x`, `TOPIC/data`.
-/// @throws std::range_error for one that ends too early
-void decode_message(const BagMessage&, std::vector<BagSample>&);
-
 /// The messages of a recorded bag, one after the other, in memory that does not grow with it: a file of MCAP
 /// (mcap.dev; chunks plain or compressed by LZ4 or Zstandard), or rosbag2's database of SQLite.
 class BagFile {

@@ -175,18 +175,18 @@ const MessageType* find_type(std::string_view type) {
   return find_named(message_types, plain);
 }
 
-}  // namespace
-
+/// Whether messages of a type are decoded: JointState, poses, points, transforms, single numbers.
 bool is_decoded(std::string_view type) { return find_type(type) != nullptr; }
 
+/// Decodes a message; names are those that PlotJuggler gives: `TOPIC/JOINT/position`,
+/// `TOPIC/pose/position/x`, `TOPIC/CHILD_FRAME/translation/x`, `TOPIC/data`.
+/// @throws std::range_error for one that ends too early
 void decode_message(const BagMessage& message, std::vector<BagSample>& samples) {
   samples.clear();
   FieldReader in(message.data, message.ros1);
   if (const MessageType* type = find_type(message.type))
     type->decode(in, std::string(message.topic), samples);
 }
-
-namespace {
 
 constexpr std::size_t most_texts = 1000;  // kept of each signal, for a proposal of the mapping
 

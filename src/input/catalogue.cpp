@@ -9,7 +9,6 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/csv.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"

@@ -7,12 +7,10 @@
 
 #include "core/lists.hpp"
 #include "effect/effects/effects.hpp"
-#include "input/changed_spec.hpp"
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/spec_variants.hpp"
-#include "input/yaml_text.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/input/spec.hpp"
@@ -118,14 +116,16 @@ void move_swept(Node& axis, const PathChange& move) {
     }
 }
 
-}  // namespace
-
+/// Rewrites the paths of a spec's tree, which are relative to the spec, for a spec that stands elsewhere.
+/// @param from, to  paths of the specs; `-` is in the working folder
 void move_paths(Node& root, const std::string& from, const std::string& to) {
   const PathChange move = [&](std::string& path) { path = moved(path, folder_of(from), folder_of(to)); };
   for (const std::string_view key : spec_format::file_keys()) move_below(root, key, move);
   if (Node* const sweep = root.find("sweep"))
     for (Node& axis : sweep->items) move_swept(axis, move);
 }
+
+}  // namespace
 
 std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& changes,
                          const std::vector<Node>& effects, const std::string& remark,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "input/read_sections.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
 
@@ -78,5 +79,17 @@ class EntryFaults {
   std::vector<Shared> faults_;
   std::map<std::string, std::size_t> joints_;  ///< read, by the path of their entry
 };
+
+/// The first kind that is stated at the joint, or at the encoder's shaft: of examples in messages.
+const EncoderKind& first_kind(bool at_joint);
+
+/// The keys of all kinds, each once.
+std::vector<std::string> encoder_keys();
+bool is_encoder_key(const std::string& key);
+
+/// The kind of an encoder's entry, whose keys all belong to it.
+/// @throws Error (input) if the entry is no mapping, states no kind or two, or has a key that is unknown,
+/// ambiguous among vendors or of another kind
+const EncoderKind& encoder_kind_of(const Field&);
 
 }  // namespace qerr

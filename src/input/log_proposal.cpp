@@ -8,7 +8,7 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/log_columns.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -291,24 +291,23 @@ namespace {
 
 /// Where a key belongs that stands in the wrong mapping; "" if no section has it, or several have.
 std::string home_of(std::string_view key) {
-  using namespace spec_format;
   std::string found;
   int homes = 0;
   const auto count = [&](const std::vector<Parameter>& rows, const char* home) {
     if (has_row(rows, key) && found != home) found = home, ++homes;
   };
-  count(top(), "at the left margin, beside robot and encoders");
-  count(robot(), "in robot: {...}");
-  count(configurations(), "in configurations: {...}");
-  count(threshold(), "in threshold: {...}");
-  count(motion(), "in motion: {...}");
-  count(requirement(), "in an entry of requirements: [...]");
-  count(joint_motion(), "in a joint of motion: {joints: {...}}");
-  count(filter(), "in an entry of filters: {...}");
-  count(sine(), "in an entry of sines: [...]");
-  count(effect(), "in an entry of effects: [...]");
-  count(sweep(), "in an entry of sweep: [...]");
-  count(lowpass(), "in the filter's lowpass: {...}");
+  count(spec_format::top, "at the left margin, beside robot and encoders");
+  count(spec_format::robot, "in robot: {...}");
+  count(spec_format::configurations, "in configurations: {...}");
+  count(spec_format::threshold, "in threshold: {...}");
+  count(spec_format::motion, "in motion: {...}");
+  count(spec_format::requirement(), "in an entry of requirements: [...]");
+  count(spec_format::joint_motion, "in a joint of motion: {joints: {...}}");
+  count(spec_format::filter(), "in an entry of filters: {...}");
+  count(spec_format::sine, "in an entry of sines: [...]");
+  count(spec_format::effect, "in an entry of effects: [...]");
+  count(spec_format::sweep, "in an entry of sweep: [...]");
+  count(spec_format::lowpass, "in the filter's lowpass: {...}");
   for (const FilterFamily& family : filter_families())
     count(family.parameters, "in the filter's lowpass: {...}");
   for (const EncoderKind& kind : encoder_kinds())
@@ -333,17 +332,18 @@ std::optional<Fault> after_decimal_comma(const Field& map, const Node::Entry& en
   return std::nullopt;
 }
 
-}  // namespace
-
+/// Whether an empty section precedes the entry, so that the entry was probably meant to be in it.
 const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entry) {
   const Node::Entry* section = nullptr;
   for (const Node::Entry& other : map.entries) {
     if (&other == &entry) return section;
     const bool empty = other.value.type == Node::Type::null;
-    if (empty || has_row(spec_format::top(), other.key.name)) section = empty ? &other : nullptr;
+    if (empty || has_row(spec_format::top, other.key.name)) section = empty ? &other : nullptr;
   }
   return nullptr;
 }
+
+}  // namespace
 
 std::string with_space_after_colon(const std::string& text) {
   const std::size_t colon = text.find(':');

@@ -136,7 +136,4 @@ void add_unknown_key(const Field& map, const Node::Entry&, const std::vector<std
 /// `bits: 17` of a text `bits:17`; "" for any other text.
 std::string with_space_after_colon(const std::string& text);
 
-/// Whether an empty section precedes the entry, so that the entry was probably meant to be in it.
-const Node::Entry* empty_section_before(const Node& map, const Node::Entry&);
-
 }  // namespace qerr

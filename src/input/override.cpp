@@ -8,7 +8,6 @@
 #include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/encoder/encoder.hpp"
@@ -134,7 +133,7 @@ class Override {
     if (other != std::string::npos)
       refuse("unknown key", qerr::quoted(step.key),
              "separate the keys of a path by points, as in encoders.elbow.bits");
-    for (const Parameter& row : spec_format::top())
+    for (const Parameter& row : spec_format::top)
       if (row.kind == Kind::objects &&
           (step.key.starts_with(std::string(row.name) + '[') || (step.key == row.name && !step.rest.empty())))
         refuse("the spec has no " + std::string(row.name), qerr::quoted(path_),

@@ -50,7 +50,7 @@ const NamedFilter& velocity_of(const Object& o, const Spec& spec, std::string_vi
 }
 
 JointController read_controller(const Field& f, const IndependentJoint& joint, const Spec& spec) {
-  const Object o(f, spec_format::controller());
+  const Object o(f, spec_format::controller);
   const Dimension kp = stiffness(joint);
   const Dimension damping{kp.metre, kp.radian, 1, 1};
   JointController c;
@@ -79,7 +79,7 @@ Eigen::Vector3d read_axes(const Field& f, const Dimension& d, const std::string&
 }
 
 TipImpedance read_impedance(const Field& f, const Spec& spec) {
-  const Object o(f, spec_format::tip_impedance());
+  const Object o(f, spec_format::tip_impedance);
   TipImpedance t;
   t.stiffness = read_axes(o.at("stiffness"), {-1, 0, 0, 1}, "[2 kN/m, 2 kN/m, 2 kN/m]");
   if (o.has("damping"))
@@ -165,7 +165,7 @@ void read_controllers(const Field& f, const RobotModel& robot, Spec& spec, Contr
 }  // namespace
 
 void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
-  const Object o(f, spec_format::control());
+  const Object o(f, spec_format::control);
   const Chain& chain = spec.model.chain;
   Control control;
   control.joints.resize(chain.independent.size());
@@ -223,7 +223,7 @@ void read_walls(const Field& f, Spec& spec, Faults& faults) {
   Control control = *spec.model.control;
   for (const auto& [key, field] : read_map(f))
     faults.guard([&, &key = key, &field = field] {
-      const Object o(field, spec_format::wall());
+      const Object o(field, spec_format::wall);
       const Eigen::Vector3d normal = read_axes(o.at("normal"), dimension::none, "[0, 0, 1]");
       if (!(normal.norm() > 0)) o.at("normal").refuse("must not be zero", "write normal: [0, 0, 1]");
       control.walls.push_back({key.name, normal.normalized()});

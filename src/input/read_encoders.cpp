@@ -6,7 +6,6 @@
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/object_reader.hpp"
 #include "qerr/core/parameter.hpp"
@@ -30,13 +29,14 @@ std::vector<std::string> encoder_keys() {
 
 bool is_encoder_key(const std::string& key) { return contains(encoder_keys(), key); }
 
+namespace {
+
+/// The keys of a kind and all common ones, also those that it has no use for.
 std::vector<Parameter> all_keys_of(const EncoderKind& kind) {
   std::vector<Parameter> rows = kind.parameters;
   for (const Parameter& p : common_encoder_parameters()) rows.push_back(p);
   return rows;
 }
-
-namespace {
 
 /// Some vendors count lines in `cpr` and `ppr`, others counts: a factor of 4.
 void refuse_ambiguous_keys(const Field& f) {
@@ -94,8 +94,7 @@ const EncoderKind& stated_kind(const Field& f) {
               "give one of " + did_you_mean("", names_of(encoder_kinds())).substr(7));
 }
 
-}  // namespace
-
+/// @throws Error (input) if the section `encoders` describes one encoder, without the names of joints
 void refuse_bare_encoder(const Field& f, const Chain& chain) {
   const std::vector<std::string> keys = encoder_keys(), joints = joint_names(chain);
   if (f.node->type != Node::Type::mapping) return;
@@ -105,6 +104,8 @@ void refuse_bare_encoder(const Field& f, const Chain& chain) {
                   quoted(entry.key.name),
                   "name the joints: '*': {" + std::string(first_kind(false).example) + "} for all");
 }
+
+}  // namespace
 
 const EncoderKind& encoder_kind_of(const Field& f) {
   if (f.node->type != Node::Type::mapping)
@@ -167,14 +168,17 @@ void compare(const Field& own, const Field& pattern, std::vector<std::string>& w
   }
 }
 
-}  // namespace
-
+/// Compares a joint's own encoder entry with the patterns that it overrides. An entry inherits nothing, so a
+/// gear that it does not repeat would be lost without a word.
+/// @throws Error (input) if the pattern states a gear ratio other than 1, and the entry, counting in the same
+/// way, none; where it counts in another way, or lacks another key of the pattern, that is a warning
 void compare_with_patterns(const JointEntry& entry, std::vector<std::string>& warnings) {
   if (!entry.own.node) return;
   for (const Field& pattern : entry.patterns)
     if (pattern.node->type == Node::Type::mapping) compare(entry.own, pattern, warnings);
 }
 
+/// A gear ratio between 0 and 1 makes the encoder coarser at the joint: usually it is inverted.
 void warn_of_gear(const Field& entry, std::vector<std::string>& warnings) {
   const Node* ratio = entry.node->find("gear_ratio");
   std::string why;
@@ -187,6 +191,8 @@ void warn_of_gear(const Field& entry, std::vector<std::string>& warnings) {
   add_once(warnings, text);
 }
 
+/// Asks whether the `accuracy` of an encoder behind a gear is the gear's, where gears have such accuracies.
+/// @param at_joint  the accuracy, at the joint [rad]
 void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio,
                       std::vector<std::string>& warnings) {
   // The best gears are stated with 0.5 arcmin (strain wave), which discs have as well.
@@ -201,8 +207,6 @@ void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio,
       "else state that of the gear beside it, or 0";
   add_once(warnings, text);
 }
-
-namespace {
 
 constexpr double most_ratio = 1e6;  ///< of a coupling: joint angle per encoder angle after the gear
 

@@ -6,7 +6,7 @@
 #include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
-#include "input/joint_table.hpp"
+#include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -29,7 +29,7 @@ std::vector<Move> read_moves(const Object& o, Dimension unit) {
   std::vector<Move> moves;
   for (const Field& item :
        read_list(o.at("moves"), "[{to: 30 deg, velocity: 1 rad/s, acceleration: 5 rad/s^2}]")) {
-    const Object move(item, spec_format::move());
+    const Object move(item, spec_format::move);
     moves.push_back({*move.number("to", unit), *move.number("velocity", over_time(unit, 1)),
                      *move.number("acceleration", over_time(unit, 2)),
                      move.number("jerk", over_time(unit, 3)).value_or(0), *move.number("dwell")});
@@ -40,7 +40,7 @@ std::vector<Move> read_moves(const Object& o, Dimension unit) {
 
 JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint,
                               std::vector<std::string>& warnings) {
-  const Object o(f, spec_format::joint_motion());
+  const Object o(f, spec_format::joint_motion);
   const Dimension unit = coordinate_dimension(joint);
   JointMotion motion;
   motion.center = *o.number("center", unit);
@@ -49,7 +49,7 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint,
   if (o.has("moves")) motion.moves = read_moves(o, unit);
   if (!o.has("sines")) return motion;
   for (const Field& item : read_list(o.at("sines"), "[{amplitude: 10 deg, frequency: 1 Hz}]")) {
-    const Object sine(item, spec_format::sine());
+    const Object sine(item, spec_format::sine);
     motion.sines.push_back(
         {*sine.number("amplitude", unit), *sine.number("frequency"), *sine.number("phase")});
     if (sine.has("phase")) warn_of_degrees(sine.at("phase"), 1, warnings);
@@ -121,7 +121,7 @@ NamedEffects named_effects(const std::vector<Field>& entries) {
 /// no entry of the same type names.
 void read_effect(const Field& f, const NamedEffects& named, const RobotModel& robot, Spec& spec) {
   const EffectKind& kind = effect_kind_of(f);
-  std::vector<Parameter> format = spec_format::effect();
+  std::vector<Parameter> format = spec_format::effect;
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);
   if (spec.model.tips && (kind.stage == Stage::kinematics || kind.need == Need::effort))
@@ -221,7 +221,7 @@ void read_table(const Field& f, const std::string& path, Spec& spec, Motion& mot
 
 void read_motion(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
                  Faults& faults) {
-  const Object o(f, spec_format::motion());
+  const Object o(f, spec_format::motion);
   Motion motion;
   motion.sample_rate = o.number("sample_rate").value_or(0);
   motion.duration = o.number("duration").value_or(0);

@@ -99,7 +99,7 @@ struct DhRow {
 /// standard: R_z(theta) T_z(d) T_x(a) R_x(alpha); modified (Craig): R_x(alpha) T_x(a) R_z(theta) T_z(d),
 /// where alpha and a are those of the link before.
 DhRow read_row(const Field& f, bool modified) {
-  const Object o(f, spec_format::dh_row());
+  const Object o(f, spec_format::dh_row);
   const DhEntry theta = read_entry(o, "theta", dimension::angle), d = read_entry(o, "d", dimension::length);
   if (o.has("theta")) within_turn(o.at("theta"), theta.offset);
   const double a = o.number("a").value_or(0), alpha = o.number("alpha").value_or(0);
@@ -136,7 +136,7 @@ DhRow read_row(const Field& f, bool modified) {
 /// A table without `convention` that looks like a modified one: its first row has no link, its last one has.
 bool looks_modified(const std::vector<Field>& rows) {
   const auto has_link = [](const Field& f) {
-    const Object o(f, spec_format::dh_row());
+    const Object o(f, spec_format::dh_row);
     return o.number("a").value_or(0) != 0 || o.number("alpha").value_or(0) != 0;
   };
   return rows.size() > 1 && !has_link(rows.front()) && has_link(rows.back());
@@ -197,7 +197,7 @@ Limits read_limits_of_joint(const Field& f, bool prismatic) {
 }
 
 RobotModel read_joint(const Field& f, const std::string& file) {
-  const Object o(f, spec_format::joint());
+  const Object o(f, spec_format::joint);
   const bool prismatic = o.choice("type") == "prismatic";
   Joint joint;
   joint.name = *o.text("name");
@@ -248,7 +248,7 @@ Eigen::Vector3d read_three(const Object& o, std::string_view key, Dimension dime
 }  // namespace
 
 Eigen::Isometry3d read_pose(const Field& f) {
-  const Object o(f, spec_format::pose());
+  const Object o(f, spec_format::pose);
   const Eigen::Vector3d rpy = read_three(o, "rpy", dimension::angle);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = read_three(o, "xyz", dimension::length);

@@ -8,7 +8,7 @@
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 
 namespace qerr {
 
@@ -157,7 +157,7 @@ void read_sweep(const Field& f, Spec& spec, Faults& faults) {
   std::vector<std::string> used;
   for (const Field& item : read_list(f, "a list: - {key: ..., values: [...]}"))
     faults.guard([&] {
-      const Object o(item, spec_format::sweep());
+      const Object o(item, spec_format::sweep);
       spec.sweep.push_back(axis_of(o, spec, used));
     });
 }

@@ -71,7 +71,7 @@ namespace {
 /// A header, or `{column: HEADER, unit: UNIT}`.
 LogSource read_log_source(const std::string& signal, const Field& f) {
   if (f.node->type != Node::Type::mapping) return {signal, read_text_value(f), {}};
-  const Object o(f, spec_format::log_column());
+  const Object o(f, spec_format::log_column);
   const std::string unit = o.text("unit").value_or("");
   std::string why;
   if (!unit.empty() && !parse_unit(unit, why)) o.at("unit").refuse(why, "such as deg, mm or ms");
@@ -81,7 +81,7 @@ LogSource read_log_source(const std::string& signal, const Field& f) {
 }  // namespace
 
 void read_log_section(const Field& f, Spec& spec) {
-  const Object o(f, spec_format::log());
+  const Object o(f, spec_format::log);
   const std::string missing = o.choice("missing");
   spec.log.missing = missing == "drop"   ? MissingValues::drop
                      : missing == "hold" ? MissingValues::hold
@@ -97,8 +97,8 @@ void read_log_section(const Field& f, Spec& spec) {
 }
 
 void read_threshold(const Field& f, Spec& spec) {
-  spec.threshold_length = Object(f, spec_format::threshold()).number("length");
-  warn_of_bare_numbers(f, spec_format::threshold(), {}, spec.warnings);
+  spec.threshold_length = Object(f, spec_format::threshold).number("length");
+  warn_of_bare_numbers(f, spec_format::threshold, {}, spec.warnings);
 }
 
 }  // namespace qerr

@@ -13,33 +13,33 @@ namespace qerr {
 /// same rows, so that keys, kinds, ranges and defaults agree.
 namespace spec_format {
 
-const std::vector<Parameter>& top();
-const std::vector<Parameter>& robot();
-const std::vector<Parameter>& pose();
-const std::vector<Parameter>& joint();
-const std::vector<Parameter>& dh_row();
+extern const std::vector<Parameter> top;
+extern const std::vector<Parameter> robot;
+extern const std::vector<Parameter> pose;
+extern const std::vector<Parameter> joint;
+extern const std::vector<Parameter> dh_row;
 const std::vector<Parameter>& filter();
-const std::vector<Parameter>& lowpass();  ///< without the family's own parameters
-const std::vector<Parameter>& configurations();
+extern const std::vector<Parameter> lowpass;  ///< without the family's own parameters
+extern const std::vector<Parameter> configurations;
 const std::vector<Parameter>& requirement();
-const std::vector<Parameter>& threshold();
-const std::vector<Parameter>& motion();
-const std::vector<Parameter>& joint_motion();
-const std::vector<Parameter>& sine();
-const std::vector<Parameter>& move();
-const std::vector<Parameter>& effect();  ///< without the effect's own parameters
-const std::vector<Parameter>& control();
-const std::vector<Parameter>& controller();  ///< of a joint
-const std::vector<Parameter>& tip_impedance();
-const std::vector<Parameter>& estimator();
-const std::vector<Parameter>& wall();
-const std::vector<Parameter>& log();
-const std::vector<Parameter>& log_column();
-const std::vector<Parameter>& sweep();
-const std::vector<Parameter>& design();
-const std::vector<Parameter>& design_filter();
-const std::vector<Parameter>& design_gains();
-const std::vector<Parameter>& design_tracking();
+extern const std::vector<Parameter> threshold;
+extern const std::vector<Parameter> motion;
+extern const std::vector<Parameter> joint_motion;
+extern const std::vector<Parameter> sine;
+extern const std::vector<Parameter> move;
+extern const std::vector<Parameter> effect;  ///< without the effect's own parameters
+extern const std::vector<Parameter> control;
+extern const std::vector<Parameter> controller;  ///< of a joint
+extern const std::vector<Parameter> tip_impedance;
+extern const std::vector<Parameter> estimator;
+extern const std::vector<Parameter> wall;
+extern const std::vector<Parameter> log;
+extern const std::vector<Parameter> log_column;
+extern const std::vector<Parameter> sweep;
+extern const std::vector<Parameter> design;
+extern const std::vector<Parameter> design_filter;
+extern const std::vector<Parameter> design_gains;
+extern const std::vector<Parameter> design_tracking;
 
 /// The keys whose values are paths of files, relative to the spec. `*` is any key, `[]` any item of a list.
 const std::vector<std::string_view>& file_keys();

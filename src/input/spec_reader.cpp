@@ -37,7 +37,7 @@ void check_version(const Object& top) {
   }
 }
 
-bool is_section(const std::string& key) { return has_row(spec_format::top(), key); }
+bool is_section(const std::string& key) { return has_row(spec_format::top, key); }
 
 /// Entries that are not indented below their section leave it empty: one mistake.
 void raise_if_not_indented(const Node& root, const Faults& faults) {
@@ -270,7 +270,7 @@ bool SpecReader::can_change(const std::string& section) {
 
 Spec SpecReader::reread(const Node& root, const std::vector<std::string>& changed) const {
   SpecReader again(*this);
-  std::vector<Parameter> format = spec_format::top();
+  std::vector<Parameter> format = spec_format::top;
   for (Parameter& row : format) row.required = false;
   const Object top(Field{&root, ""}, format);
   for (std::size_t i = 0; i < stages().size(); ++i)
@@ -296,7 +296,7 @@ Spec SpecReader::finished() const {
 /// missing.
 Object SpecReader::checked_top(const Node& root) {
   Field field{&root, ""};
-  std::vector<Parameter> format = spec_format::top();
+  std::vector<Parameter> format = spec_format::top;
   if (!faults_.guard([&] { Object(field, format); })) {
     raise_if_not_indented(root, faults_);
     known_ = root;
@@ -315,7 +315,7 @@ Object SpecReader::checked_top(const Node& root) {
 void SpecReader::read_chain(const Field& f) {
   faults_.guard([&] {
     if (f.node->type == Node::Type::scalar) f.refuse("must be a mapping", "write {urdf: ...}");
-    const Object o(f, spec_format::robot());
+    const Object o(f, spec_format::robot);
     if (const int given = o.has("urdf") + o.has("joint") + o.has("dh"); given != 1)
       f.refuse(given > 1 ? "a robot has one of 'urdf', 'dh' and 'joint'"
                          : "the robot needs the key 'urdf', 'dh' for a table, or 'joint' for a single one",

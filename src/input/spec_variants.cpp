@@ -7,7 +7,7 @@
 #include "input/joint_entries.hpp"
 #include "input/override.hpp"
 #include "input/spec_reader.hpp"
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -92,25 +92,6 @@ Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::ve
 
 namespace {
 
-/// Whether two values mean the same: 1 kHz and 1000 do.
-bool mean_the_same(const Node& a, const Node& b) {
-  std::string why;
-  const auto quantity = [&](const Node& n) {
-    return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
-  };
-  const auto x = quantity(a), y = quantity(b);
-  if (x && y) return x->value == y->value;
-  if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
-      a.entries.size() != b.entries.size())
-    return false;
-  for (std::size_t i = 0; i < a.items.size(); ++i)
-    if (!mean_the_same(a.items[i], b.items[i])) return false;
-  return std::all_of(a.entries.begin(), a.entries.end(), [&](const Node::Entry& entry) {
-    const Node* const other = b.find(entry.key.name);
-    return other && mean_the_same(entry.value, *other);
-  });
-}
-
 Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
   Node root = parse_yaml(spec.text, spec.file);
   SpecReader reader(spec.file);
@@ -153,7 +134,7 @@ class ReportOfAll {
   bool shows_no_change(const SpecOverrides& all, const SpecOverrides& others) {
     if (!report_) return false;
     try {
-      if (mean_the_same(changed_tree(spec_, all), changed_tree(spec_, others))) return false;
+      if (same_meaning(changed_tree(spec_, all), changed_tree(spec_, others))) return false;
       const Spec before = parse_spec(spec_.text, spec_.file, others);
       if (spec_.motion) {  // the quick question first
         if (!begin_) begin_ = text_of(report_, at_the_beginning(spec_));
@@ -239,8 +220,8 @@ void refuse_chosen_filters(const Spec& spec, const SpecOverrides& overrides) {
     bool governs = true;
     try {
       std::ignore = parse_spec(spec.text, spec.file, others);
-      governs = mean_the_same(changed_tree(spec, overrides), changed_tree(spec, others)) ||
-                !mean_the_same(filters_that_hold(spec, overrides), filters_that_hold(spec, others));
+      governs = same_meaning(changed_tree(spec, overrides), changed_tree(spec, others)) ||
+                !same_meaning(filters_that_hold(spec, overrides), filters_that_hold(spec, others));
     } catch (const Error&) {  // the spec needs the override
     }
     if (!governs)

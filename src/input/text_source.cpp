@@ -333,13 +333,14 @@ constexpr std::array binary_formats{
     BinaryFormat{"MDF     ", "this is a measurement file (MDF): export it as CSV, as with Python's asammdf"},
 };
 
-}  // namespace
-
+/// Remedy for a file that begins like a known binary format: what exports it as a text; "" for any other.
 std::string binary_format(std::string_view head) {
   for (const BinaryFormat& f : binary_formats)
     if (head.starts_with(f.magic)) return std::string(f.remedy);
   return {};
 }
+
+}  // namespace
 
 TextSource::TextSource(const std::string& path, bool recognize) : source_(path), recognize_(recognize) {}
 

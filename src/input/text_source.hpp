@@ -117,7 +117,4 @@ class TextSource {
   bool text_ended_ = false;
 };
 
-/// Remedy for a file that begins like a known binary format: what exports it as a text; "" for any other.
-std::string binary_format(std::string_view head);
-
 }  // namespace qerr

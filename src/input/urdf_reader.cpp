@@ -177,12 +177,14 @@ const Vocabulary* vocabulary(std::string_view element) {
   return row == rows.end() ? nullptr : &*row;
 }
 
+namespace {
+
+/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
+/// @throws Error (input) for values that xacro has not expanded
 void check_vocabulary(const UrdfElement& root, const std::string& file, FlawList& flaws) {
   VocabularyCheck(file, flaws).visit(root, root.title());
   flaws.concern_document();
 }
-
-namespace {
 
 using Names = std::vector<std::string>;
 

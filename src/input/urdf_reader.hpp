@@ -100,12 +100,7 @@ struct Vocabulary {
 /// The row of an element; null if the element has none.
 const Vocabulary* vocabulary(std::string_view element);
 
-/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
-/// @throws Error (input) for values that xacro has not expanded
-void check_vocabulary(const UrdfElement& root, const std::string& file, FlawList&);
-
 std::string_view joint_type_name(JointType type);
-const std::vector<std::pair<std::string, JointType>>& joint_types();
 
 inline bool has_axis(JointType type) { return type != JointType::fixed && type != JointType::floating; }
 inline bool has_range(JointType type) { return type == JointType::revolute || type == JointType::prismatic; }

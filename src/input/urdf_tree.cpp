@@ -177,8 +177,6 @@ bool is_infinite(std::string_view text) {
   return word == "inf" || word == "infinity";
 }
 
-}  // namespace
-
 const std::vector<std::pair<std::string, JointType>>& joint_types() {
   static const std::vector<std::pair<std::string, JointType>> types = {
       {"continuous", JointType::continuous}, {"fixed", JointType::fixed},
@@ -186,6 +184,8 @@ const std::vector<std::pair<std::string, JointType>>& joint_types() {
       {"prismatic", JointType::prismatic},   {"revolute", JointType::revolute}};
   return types;
 }
+
+}  // namespace
 
 std::string_view joint_type_name(JointType type) {
   for (const auto& [name, value] : joint_types())

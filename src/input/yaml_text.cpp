@@ -1,10 +1,9 @@
-#include "input/yaml_text.hpp"
-
 #include <algorithm>
 #include <string_view>
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
+#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -83,16 +82,39 @@ std::string flow(const Node& n) {
   return out;
 }
 
-bool same_value(const Node& a, const Node& b) {
+namespace {
+
+/// @param same  of two values, as far as it decides
+template <class Same>
+bool same_nodes(const Node& a, const Node& b, const Same& same) {
+  if (const std::optional<bool> decided = same(a, b)) return *decided;
   if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
       a.entries.size() != b.entries.size())
     return false;
-  if (a.quoted != b.quoted && parse_number(a.text)) return false;
   for (std::size_t i = 0; i < a.items.size(); ++i)
-    if (!same_value(a.items[i], b.items[i])) return false;
+    if (!same_nodes(a.items[i], b.items[i], same)) return false;
   return std::all_of(a.entries.begin(), a.entries.end(), [&](const auto& entry) {
     const Node* other = b.find(entry.key.name);
-    return other && same_value(entry.value, *other);
+    return other && same_nodes(entry.value, *other, same);
+  });
+}
+
+bool same_value(const Node& a, const Node& b) {
+  return same_nodes(a, b, [](const Node& x, const Node& y) {
+    return x.quoted != y.quoted && parse_number(x.text) ? std::optional(false) : std::nullopt;
+  });
+}
+
+}  // namespace
+
+bool same_meaning(const Node& a, const Node& b) {
+  return same_nodes(a, b, [](const Node& x, const Node& y) {
+    std::string why;
+    const auto quantity = [&](const Node& n) {
+      return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
+    };
+    const auto u = quantity(x), v = quantity(y);
+    return u && v ? std::optional(u->value == v->value) : std::nullopt;
   });
 }
 

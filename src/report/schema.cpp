@@ -123,7 +123,7 @@ Json encoder() {
 
 Json filter() {
   Json s = object_of(spec_format::filter());
-  refine(s, "lowpass", one_of_kinds(filter_families(), spec_format::lowpass(), "family"));
+  refine(s, "lowpass", one_of_kinds(filter_families(), spec_format::lowpass, "family"));
   s["anyOf"] = Json::array({required({"derivative"}), required({"lowpass"})});
   std::vector<Json> representations{required({"lowpass"})};
   for (const FilterRepresentation& r : filter_representations()) {
@@ -144,7 +144,7 @@ Json filter() {
 }
 
 Json configurations() {
-  Json s = object_of(spec_format::configurations());
+  Json s = object_of(spec_format::configurations);
   refine(s, "limits",
          schema::map({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}}));
   refine(s, "points", non_empty_list_of(schema::list(number_or_quantity())));
@@ -152,18 +152,18 @@ Json configurations() {
 }
 
 Json motion() {
-  Json joint = object_of(spec_format::joint_motion());
-  refine(joint, "sines", schema::list(object_of(spec_format::sine())));
-  refine(joint, "moves", non_empty_list_of(object_of(spec_format::move())));
+  Json joint = object_of(spec_format::joint_motion);
+  refine(joint, "sines", schema::list(object_of(spec_format::sine)));
+  refine(joint, "moves", non_empty_list_of(object_of(spec_format::move)));
   for (const char* key : {"sines", "velocity"}) joint["dependencies"][key] = {{"not", required({"moves"})}};
-  Json s = object_of(spec_format::motion());
+  Json s = object_of(spec_format::motion);
   refine(s, "joints", schema::map(joint));
   s["oneOf"] = Json::array({required({"joints", "sample_rate", "duration"}), required({"file"})});
   return s;
 }
 
 Json sweep() {
-  Json s = object_of(spec_format::sweep());
+  Json s = object_of(spec_format::sweep);
   for (const char* key : {"from", "to"}) refine(s, key, number_or_quantity());
   refine(s, "keys", non_empty_list_of({{"type", "string"}}));
   refine(s, "values",
@@ -193,22 +193,22 @@ Json design_encoder() {
 }
 
 Json design() {
-  Json filter = object_of(spec_format::design_filter());
-  refine(filter, "tracking", object_of(spec_format::design_tracking()));
-  Json s = object_of(spec_format::design());
+  Json filter = object_of(spec_format::design_filter);
+  refine(filter, "tracking", object_of(spec_format::design_tracking));
+  Json s = object_of(spec_format::design);
   refine(s, "encoders", schema::map(design_encoder()));
   refine(s, "filters", schema::map(filter));
-  refine(s, "gains", schema::map(object_of(spec_format::design_gains())));
+  refine(s, "gains", schema::map(object_of(spec_format::design_gains)));
   return s;
 }
 
 Json control() {
-  Json joint = object_of(spec_format::controller());
+  Json joint = object_of(spec_format::controller);
   for (const char* key : {"kp", "kd", "inertia", "damping", "friction"})
     refine(joint, key, number_or_quantity());
-  Json s = object_of(spec_format::control());
+  Json s = object_of(spec_format::control);
   refine(s, "joints", schema::map(joint));
-  Json tip = object_of(spec_format::tip_impedance());
+  Json tip = object_of(spec_format::tip_impedance);
   for (const char* key : {"stiffness", "damping"})
     tip["properties"][key]["minItems"] = tip["properties"][key]["maxItems"] = 3;
   refine(s, "tip", tip);
@@ -216,13 +216,13 @@ Json control() {
 }
 
 Json wall() {
-  Json s = object_of(spec_format::wall());
+  Json s = object_of(spec_format::wall);
   s["properties"]["normal"]["minItems"] = s["properties"]["normal"]["maxItems"] = 3;
   return s;
 }
 
 Json pose() {
-  Json s = object_of(spec_format::pose());
+  Json s = object_of(spec_format::pose);
   for (const char* key : {"xyz", "rpy"})
     s["properties"][key]["minItems"] = s["properties"][key]["maxItems"] = 3;
   return s;
@@ -231,18 +231,18 @@ Json pose() {
 }  // namespace
 
 std::string json_schema() {
-  Json s = object_of(spec_format::top());
+  Json s = object_of(spec_format::top);
   Json root = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                {"$id", "urn:qerr:spec:1"},
                {"title", "qerr spec, version 1"}};
   Json names = Json::array();
   for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
   for (const SignalKind& kind : signal_kinds()) names.push_back(kind.group);
-  Json robot = object_of(spec_format::robot());
+  Json robot = object_of(spec_format::robot);
   for (const char* key : {"tool", "tracker"}) refine(robot, key, pose());
   refine(robot, "tips", schema::map({{"type", "string"}}));
-  refine(robot, "joint", object_of(spec_format::joint()));
-  refine(robot, "dh", non_empty_list_of(object_of(spec_format::dh_row())));
+  refine(robot, "joint", object_of(spec_format::joint));
+  refine(robot, "dh", non_empty_list_of(object_of(spec_format::dh_row)));
   for (const char* key : {"urdf", "joint", "dh"})
     robot["oneOf"].push_back({{"required", Json::array({key})}});
   refine(s, "robot", robot);
@@ -254,18 +254,18 @@ std::string json_schema() {
           {"uniqueItems", true},
           {"items", {{"type", "string"}, {"examples", names}}}});
   refine(s, "filters", schema::map(filter()));
-  refine(s, "estimators", schema::map(one_of_kinds(estimator_kinds(), spec_format::estimator(), "kind")));
+  refine(s, "estimators", schema::map(one_of_kinds(estimator_kinds(), spec_format::estimator, "kind")));
   refine(s, "configurations", configurations());
   Json requirement = object_of(spec_format::requirement());
   for (const char* key : {"at_most", "at_least"}) refine(requirement, key, number_or_quantity());
   requirement["oneOf"] = Json::array({required({"at_most"}), required({"at_least"})});
   refine(s, "requirements", schema::list(requirement));
-  refine(s, "threshold", object_of(spec_format::threshold()));
+  refine(s, "threshold", object_of(spec_format::threshold));
   refine(s, "motion", motion());
-  refine(s, "effects", schema::list(one_of_kinds(effect_kinds(), spec_format::effect(), "type")));
-  Json log = object_of(spec_format::log());
+  refine(s, "effects", schema::list(one_of_kinds(effect_kinds(), spec_format::effect, "type")));
+  Json log = object_of(spec_format::log);
   const Json column =
-      any_of({Json({{"type", "string"}, {"minLength", 1}}), object_of(spec_format::log_column())});
+      any_of({Json({{"type", "string"}, {"minLength", 1}}), object_of(spec_format::log_column)});
   refine(log, "time", column);
   refine(log, "columns", schema::map(column));
   refine(s, "log", log);

@@ -1,4 +1,3 @@
-#include "design/quietest_fir.hpp"
 
 #include <gtest/gtest.h>
 

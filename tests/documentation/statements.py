@@ -301,7 +301,7 @@ STATEMENTS = {
         (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/table.cpp", r"with (\d+) % intervals")),
     ],
     TOPICS["output"]: [
-        (r"or (\d+) columns", lambda v: v.source("src/cli/terminal.cpp", r"usual_width = (\d+)")),
+        (r"or (\d+) columns", lambda v: v.source("src/cli/shared.cpp", r"usual_width = (\d+)")),
         (r"\| (\d+) \| success \|", exit_code("schema")),
         (r"\| (\d+) \| success, but a requirement", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
         (r"\| (\d+) \| error in the command line", exit_code("analyze", ARM, "--no-such-option")),

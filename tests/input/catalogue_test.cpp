@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "input/yaml_text.hpp"
+#include "input/yaml_tree.hpp"
 
 namespace qerr {
 namespace {

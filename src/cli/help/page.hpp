@@ -34,7 +34,6 @@ struct Page {
 };
 
 Page overview_page();
-Page command_page(const Command&);
 
 /// The topics, sorted by name. To add one: a file in src/cli/topics.
 const std::vector<Page>& topics();

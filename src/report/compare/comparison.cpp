@@ -63,8 +63,8 @@ std::map<std::string, double> rounded_zeros(const NamedFigures& a, const NamedFi
   return sizes;
 }
 
-}  // namespace
-
+/// The largest relative changes first, those of one report only at the end.
+/// @throws Error (input) if a figure has two units
 std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigures& b) {
   std::map<std::string, double> zeros = rounded_zeros(a, b);
   std::vector<FigureChange> changes;
@@ -90,8 +90,6 @@ std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigur
                    [&](const FigureChange& x, const FigureChange& y) { return size(x) > size(y); });
   return changes;
 }
-
-namespace {
 
 std::vector<ShareChange> share_changes(const NamedFigures& a, const NamedFigures& b) {
   std::vector<ShareChange> changes;
@@ -161,15 +159,13 @@ std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedF
 }
 
 const NamedFigure* find_figure(const NamedFigures& in, const NamedFigure& like) {
-  const auto found = std::find_if(in.figures.begin(), in.figures.end(), [&](const NamedFigure& f) {
-    return f.quantity == like.quantity && f.statistic == like.statistic;
-  });
+  const auto found = std::find_if(in.figures.begin(), in.figures.end(),
+                                  [&](const NamedFigure& f) { return same_figure(f, like); });
   return found == in.figures.end() ? nullptr : &*found;
 }
 
 bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b) {
-  return a.figure.quantity == b.figure.quantity && a.figure.statistic == b.figure.statistic &&
-         a.at_least == b.at_least;
+  return same_figure(a.figure, b.figure) && a.at_least == b.at_least;
 }
 
 ReportComparison compare(NamedFigures a, NamedFigures b) {
@@ -188,7 +184,7 @@ namespace {
 
 bool has_limit(const NamedFigures& report, const NamedFigure& f, bool at_least) {
   return std::any_of(report.requirements.begin(), report.requirements.end(), [&](const JudgedRequirement& r) {
-    return r.figure.quantity == f.quantity && r.figure.statistic == f.statistic && r.at_least == at_least;
+    return same_figure(r.figure, f) && r.at_least == at_least;
   });
 }
 

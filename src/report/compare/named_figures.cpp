@@ -11,6 +11,7 @@
 #include "qerr/core/error.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 
 namespace qerr {
@@ -90,10 +91,7 @@ class ReportMember {
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 void add_figure(NamedFigure figure, NamedFigures& to) {
-  const auto known = std::find_if(to.figures.begin(), to.figures.end(), [&](const NamedFigure& f) {
-    return f.quantity == figure.quantity && f.statistic == figure.statistic;
-  });
-  if (known == to.figures.end()) to.figures.push_back(std::move(figure));
+  if (!find_figure(to, figure)) to.figures.push_back(std::move(figure));
 }
 
 /// The bounds of each coordinate; nothing of one that is null, which is not known.

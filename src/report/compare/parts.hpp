@@ -7,12 +7,12 @@ namespace qerr {
 /// (b - a)/|a|; 0 if both agree to 1e-9, infinite from zero and to what is unbounded, -1 from unbounded.
 double relative_change(double a, double b);
 
-/// The figure of the same name; null if there is none.
+/// Whether both are the same statistic of the same quantity.
+inline bool same_figure(const NamedFigure& a, const NamedFigure& b) {
+  return a.quantity == b.quantity && a.statistic == b.statistic;
+}
+/// The same figure of a report; null if there is none.
 const NamedFigure* find_figure(const NamedFigures&, const NamedFigure& like);
-
-/// The largest relative changes first, those of one report only at the end.
-/// @throws Error (input) if a figure has two units
-std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigures& b);
 
 /// What makes the figures of two reports hard to compare.
 std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedFigures& b);

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "core/text.hpp"
-#include "input/changed_spec.hpp"
-#include "input/yaml_text.hpp"
+#include "input/override.hpp"
+#include "input/yaml_tree.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/design/design_solver.hpp"

@@ -42,17 +42,13 @@ bool DesignSolver::filters_meet(std::size_t set, const std::vector<double>& limi
 
 DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) {
   if (!filters_meet(set, query.limits)) return {};
-  ChoiceRequest request;
-  request.limits = query.limits;
+  ChoiceRequest request{query.limits, query.most, query.wanted, {}, {}, query.work};
   const auto& requirements = problem_.base().requirements;
   for (std::size_t i = 0; i < requirements.size(); ++i)
     if (requirements[i].of_control)
       request.limits[i] = ratio_limit(requirements[i], request.limits[i]);
     else if (!requirements[i].limits_error())
       request.limits[i] = std::numeric_limits<double>::infinity();
-  request.most = query.most;
-  request.wanted = query.wanted;
-  request.work = query.work;
   ++searches_;
   if (progress_) request.progress = [this](double part) { progress_(searches_, part); };
   for (const FoundDesign& d : query.known)
@@ -60,14 +56,14 @@ DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) 
   for (const FoundDesign& d : query.excluded)
     if (d.set == set || any_encoder_) request.excluded.push_back(d.choice);
   const ChoiceResult result = searched(set).search->find(request);
-  DesignFindings findings{{}, result.proven, true, result.bound};
+  DesignFindings findings{{{}, result.proven, result.bound}};
   for (const OptionChoice& choice : result.best)
     findings.best.push_back({price_of(searched(set).problem, choice), set, choice});
   return findings;
 }
 
 DesignFindings DesignSolver::find(const DesignQuery& query) {
-  DesignFindings all{{}, true, true, std::numeric_limits<std::int64_t>::max()};
+  DesignFindings all{{{}, true, std::numeric_limits<std::int64_t>::max()}};
   for (std::size_t s = 0; s < sets_.size(); ++s) {
     DesignQuery here = query;
     if (all.best.size() >= query.wanted) here.most = std::min(query.most, all.best.back().cost);
@@ -218,7 +214,7 @@ FoundDesign DesignSolver::with_best_margin(const FoundDesign& cheapest, DesignQu
 DesignFindings DesignSolver::best(const DesignQuery& query, std::optional<std::size_t> goal,
                                   const std::vector<DesignGoal>& margins) {
   if (goal && problem_.base().requirements[*goal].figure) return minimize_of_filter(*goal, query);
-  DesignFindings all{{}, true, true, std::numeric_limits<std::int64_t>::max()};
+  DesignFindings all{{{}, true, std::numeric_limits<std::int64_t>::max()}};
   while (all.best.size() < query.wanted) {
     DesignQuery next = query;
     next.wanted = 1;

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "bound/error_columns.hpp"
-#include "design/choice_figure.hpp"
 #include "design/encoder_choice.hpp"
 #include "input/design_request.hpp"
 #include "input/spec_variants.hpp"
@@ -213,20 +212,12 @@ struct FoundDesign {
   bool operator==(const FoundDesign&) const = default;
 };
 
-/// What is looked for among the encoders and filter sets.
-struct DesignQuery {
-  std::vector<double> limits;  ///< [requirement of the problem's base]
-  std::int64_t most = std::int64_t{1} << 62;
-  std::size_t wanted = 2;
-  std::vector<FoundDesign> known = {}, excluded = {};
-  double work = 1.5e10;
-};
+/// What is looked for among the encoders and filter sets; limits by requirement of the problem's base.
+using DesignQuery = SearchRequest<FoundDesign>;
 
-struct DesignFindings {
-  std::vector<FoundDesign> best;
-  bool proven = true;         ///< no other design is cheaper, or has less of the goal
+/// Proven: no other design is cheaper, or has less of the goal.
+struct DesignFindings : SearchResult<FoundDesign> {
   bool margin_proven = true;  ///< of those that cost as much, none has a better margin
-  std::int64_t bound = 0;     ///< of the cost, if not proven
 };
 
 /// A requirement's value over a scale, of which the largest of several is to be least.

@@ -4,7 +4,7 @@
 #include "control/loop.hpp"
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
-#include "design/quietest_fir.hpp"
+#include "design/filter_choice.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/filter/norms.hpp"
 #include "report/analysis/control.hpp"

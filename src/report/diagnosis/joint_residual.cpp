@@ -14,9 +14,10 @@
 
 namespace qerr {
 
-bool fits_table(const Effect& effect) { return effect_kind(effect.type).table.has_value(); }
-
 namespace {
+
+/// Whether a look-up table can compensate an effect: its error is a smooth function of the position alone.
+bool fits_table(const Effect& effect) { return effect_kind(effect.type).table.has_value(); }
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double most_rows = 1e6;

@@ -123,9 +123,6 @@ std::string verdict_title(const Diagnosis&);
 /// The sentence behind the verdict: the causes and their joints; a single remainder by its shape.
 std::string verdict_words(const DiagnosisReport&);
 
-/// Whether a look-up table can compensate an effect: its error is a smooth function of the position alone.
-bool fits_table(const Effect&);
-
 /// measured - reference of one encoder in every row, as recorded, and after subtraction of the effects found
 /// [rad or m].
 struct JointResidual {

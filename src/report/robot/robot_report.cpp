@@ -9,7 +9,6 @@
 
 #include "core/run_files.hpp"
 #include "input/joint_entries.hpp"
-#include "input/joint_table.hpp"
 #include "input/read_sections.hpp"
 #include "input/urdf_reader.hpp"
 #include "kinematics/tree.hpp"

@@ -1,4 +1,3 @@
-#include "report/sweep/sweep_page.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -50,8 +49,7 @@ std::optional<SweepAbscissa> numeric_key(const SweepColumn& column) {
   return a;
 }
 
-}  // namespace
-
+/// One of each axis that has such a key, with two values at least: of its first one.
 std::vector<SweepAbscissa> abscissas_of(const SweepGrid& grid) {
   std::vector<SweepAbscissa> all;
   for (const SweepColumn& column : grid.columns())
@@ -60,6 +58,8 @@ std::vector<SweepAbscissa> abscissas_of(const SweepGrid& grid) {
   return all;
 }
 
+/// A value of a key for people: a number of many digits, such as the steps of a logarithmic range have, with
+/// six of them.
 std::string short_value(const std::string& name) {
   constexpr std::size_t long_number = 9;
   const std::string number = name.substr(0, name.find_first_not_of("0123456789.+-eE"));
@@ -67,14 +67,13 @@ std::string short_value(const std::string& name) {
   return value && number.size() >= long_number ? significant(*value, 6) + name.substr(number.size()) : name;
 }
 
+/// `most` of `count` numbers from 0 on, evenly spread, the first and the last one among them.
 std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {
   std::vector<std::size_t> chosen;
   const std::size_t wanted = std::min(count, most);
   for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(wanted == 1 ? 0 : i * (count - 1) / (wanted - 1));
   return chosen;
 }
-
-namespace {
 
 constexpr std::size_t most_lines = 4;  ///< with a limit as many as the page has styles of lines
 constexpr std::size_t most_bars = 20, point_bytes = 36, bar_bytes = 700;
@@ -146,8 +145,9 @@ DrawnVariants drawn_lines(const SweepGrid& grid, const SweepAbscissa& a, std::si
   return d;
 }
 
-}  // namespace
-
+/// Over each axis of numbers in turn, at most four of them; one, of bars, where there is none.
+/// @param figures     that are drawn of each variant
+/// @param most_bytes  of the pictures, about
 std::vector<DrawnVariants> drawn_variants(const SweepGrid& grid, std::size_t figures,
                                           std::size_t most_bytes) {
   constexpr std::size_t most_keys = 4;
@@ -159,8 +159,6 @@ std::vector<DrawnVariants> drawn_variants(const SweepGrid& grid, std::size_t fig
     all.push_back(drawn_lines(grid, key, figures, most_bytes / keys.size()));
   return all;
 }
-
-namespace {
 
 constexpr std::size_t most_figures = 24;
 
