@@ -37,11 +37,12 @@ EncoderSearch::EncoderSearch(const ChoiceProblem& problem)
 }
 
 /// Whether option a is no dearer than b, no coarser in any column, and precedes it in the order of choices.
+/// Of a figure that only `judge` knows, nothing says that a is no worse.
 bool EncoderSearch::dominates(std::size_t joint, std::size_t a, std::size_t b) const {
   const auto& prices = problem_.prices[joint];
   if (prices[a] > prices[b] || (prices[a] == prices[b] && a > b)) return false;
   for (const ChoiceFigure& figure : problem_.figures) {
-    if (!figure.monotone) return false;
+    if (!figure.monotone || figure.sums.empty()) return false;
     for (const WeightedSum& sum : figure.sums)
       for (const WeightedColumn& c : sum.columns)
         if (c.joint == joint && c.weights[a] > c.weights[b]) return false;

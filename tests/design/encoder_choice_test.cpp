@@ -166,6 +166,28 @@ TEST(EncoderChoice, AJudgeDecidesWhatItsLowerBoundDoesNot) {
   }
 }
 
+TEST(EncoderChoice, AFigureThatOnlyTheJudgeKnowsLeavesEveryOption) {
+  // Such as the error of a closed loop of encoders with an accuracy: a dearer option may be the better one.
+  for (std::uint64_t seed = 2200; seed < 2300; ++seed) {
+    RandomProblem random(seed);
+    ChoiceProblem judged = random.problem;
+    judged.figures = {ChoiceFigure{}};
+    judged.judge = [&](const OptionChoice& choice, const std::vector<double>& limits) {
+      const ChoiceFigure& f = random.problem.figures[0];
+      return ChoiceProblem::Verdict{figure_value(f, weights_of(f, choice), random.problem.configurations) <=
+                                    limits[0]};
+    };
+    std::vector<double> limits = random.limits();
+    std::fill(limits.begin() + 1, limits.end(), INFINITY);
+    ChoiceRequest request;
+    request.limits = {limits[0]};
+    const std::vector<OptionChoice> all = random.enumerated(limits, request.most);
+    const ChoiceResult result = EncoderSearch(judged).find(request);
+    ASSERT_EQ(result.best.size(), std::min<std::size_t>(2, all.size())) << "seed " << seed;
+    for (std::size_t i = 0; i < result.best.size(); ++i) EXPECT_EQ(result.best[i], all[i]) << "seed " << seed;
+  }
+}
+
 TEST(EncoderChoice, TheBoundOfAnEndedSearchIsNotAboveTheOptimum) {
   int ended = 0;
   for (std::uint64_t seed = 3000; seed < 3200; ++seed) {

@@ -305,14 +305,16 @@ class DesignJob {
     const ChoiceProblem& problem = solver_->problem(best.set);
     for (std::size_t i = 0; i < stated_; ++i) {
       const ChoiceFigure& figure = problem.figures[i];
-      const bool varies = std::any_of(figure.sums.begin(), figure.sums.end(), [&](const WeightedSum& sum) {
-        return std::any_of(sum.columns.begin(), sum.columns.end(), [&](const WeightedColumn& c) {
-          const bool moves = std::any_of(c.coefficients, c.coefficients + problem.configurations,
-                                         [](double a) { return a > 1e-12; });
-          return moves && std::any_of(c.weights.begin(), c.weights.end(),
-                                      [&](double w) { return w != c.weights.front(); });
-        });
-      });
+      const bool varies =
+          figure.sums.empty() ||
+          std::any_of(figure.sums.begin(), figure.sums.end(), [&](const WeightedSum& sum) {
+            return std::any_of(sum.columns.begin(), sum.columns.end(), [&](const WeightedColumn& c) {
+              const bool moves = std::any_of(c.coefficients, c.coefficients + problem.configurations,
+                                             [](double a) { return a > 1e-12; });
+              return moves && std::any_of(c.weights.begin(), c.weights.end(),
+                                          [&](double w) { return w != c.weights.front(); });
+            });
+          });
       const bool of_loop = requirement(i).of_control && request_.filters.size() + request_.gains.size() > 0;
       if (!varies && !of_loop && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
         report_.without_influence.push_back(i);
