@@ -335,14 +335,16 @@ bool fits_anywhere(const ErrorModel& m, const Choice& c, std::size_t i) {
   return other >= fewest && 10 * as_good > other;
 }
 
-/// Whether a reading would come before what it reads, beside something else that is left. A late reference
-/// does so, and then nothing is left but noise; what follows the speed in part does, too.
+/// Whether a reading would come before what it reads, beside a curve that is left or only guessed. A late
+/// reference does so, and then nothing of that kind is left; what follows the speed in part does, too.
 bool is_ahead_of_time(const ErrorModel& m, const Choice& c, std::size_t i) {
   const Term& t = m.term(c.chosen[i]);
   if (t.effect.type != latency_effect().name || m.coefficients(c.chosen, c.fit, i)[0] >= 0) return false;
-  const bool shapes =
-      std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) { return !m.term(g).named(); });
-  return shapes || (c.correlation >= 1.5 && !m.is_complete(c.chosen));
+  const bool guessed = std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
+    const Term& other = m.term(g);
+    return !other.named() && (is_guessed(other.pattern) || other.pattern == Shape::unknown);
+  });
+  return guessed || (c.correlation >= 1.5 && !m.is_complete(c.chosen));
 }
 
 }  // namespace
