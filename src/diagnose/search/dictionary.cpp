@@ -116,6 +116,7 @@ class Candidates {
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
       if (t.relinearized) add_linearizations(t, family);
+      if (t.relinearized && effect_kind(t.effect.type).stage == Stage::clock) add_shifts(t, family);
       add(std::move(t), family, 1, over);
     }
   }
@@ -156,6 +157,30 @@ class Candidates {
             return fresh.relinearized(s.evidence, fresh, p);
         return not_offered(original, s);
       });
+    }
+  }
+
+  /// A shift in time of several rows, per unit of it, as the whole record has it: at a reversal that is
+  /// sharper than the shift is long its linearization by the rate is no shift.
+  void add_shifts(const Term& original, const std::string& family) {
+    const Evidence& r = *s_.record;
+    constexpr double fewest_rows = 1.5, longest_part = 0.02, ratio = 1.5;
+    std::vector<double> sizes;
+    for (const auto& [effect, p] : scanned_.linearizations)
+      if (effect == original.effect.type && p.size() == 1 && std::abs(p[0]) > fewest_rows * r.interval)
+        sizes.push_back(p[0]);
+    const double longest = longest_part * (r.time[r.rows() - 1] - r.time[0]);
+    for (double size = fewest_rows * r.interval; size < longest; size *= ratio) sizes.push_back(size);
+    for (const double size : sizes) {
+      const auto over = [original, size](const Sampling& s) {
+        Effect shift = original.effect;
+        original.fill(shift, Eigen::VectorXd::Constant(1, size));
+        return with_columns(original,
+                            s.averaged(path_as_read(*s.record, {shift}) - s.record->joint_angle()) / size);
+      };
+      const auto [least, most] = std::minmax({size / ratio, size * ratio});
+      found_.push_back({history(family + " as recorded", size, over), family,
+                        static_cast<double>(sizes.size()), least, most, 0, over});
     }
   }
 
@@ -326,11 +351,18 @@ class Candidates {
     if (e_.is_stationary()) return;
     const Evidence& r = *s_.record;
     constexpr int travels = 10, constants = 10;
-    for (const double travel : series(r.step(), 0.3 * r.range(), travels))
-      add_history("hysteresis", "friction" + read_late_, travel, travels,
-                  [travel, clocks = clocks_](const Sampling& s) {
-                    return friction_term(s, path_as_read(*s.record, clocks), travel);
-                  });
+    constexpr double few_samples = 4;
+    for (const double travel : joined(scanned_.travels, series(r.step(), 0.3 * r.range(), travels))) {
+      const auto over = [travel, clocks = clocks_](const Sampling& s, bool from_start) {
+        return friction_term(s, path_as_read(*s.record, clocks), travel, from_start);
+      };
+      // A state that is forgotten within few samples is not told.
+      const Term& both =
+          history("friction" + read_late_, travel, [&](const Sampling& s) { return over(s, true); });
+      const bool from_start = both.columns.col(1).square().sum() > few_samples;
+      add(from_start ? both : over(s_, false), "hysteresis", travels,
+          [over, from_start](const Sampling& s) { return over(s, from_start); });
+    }
     const double duration = e_.time[e_.rows() - 1];
     for (const double constant : series(duration / 300, duration / 10, constants))
       add_history("relaxation", "relaxation", constant, 2 * constants,

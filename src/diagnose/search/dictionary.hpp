@@ -42,6 +42,7 @@ struct Scanned {
   std::vector<double> time_constants;         ///< refined ones [s]
   std::vector<Linearization> linearizations;  ///< parameters about which non-linear effects are linearized
   std::vector<double> hystereses;             ///< sizes found of a hysteresis [rad or m]
+  std::vector<double> travels;  ///< of a friction: beside the one found, and that one [rad or m]
 };
 
 /// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes

@@ -335,13 +335,26 @@ bool fits_anywhere(const ErrorModel& m, const Choice& c, std::size_t i) {
   return other >= fewest && 10 * as_good > other;
 }
 
+/// Whether a reading would come before what it reads, beside a curve that is left or only guessed. A late
+/// reference does so, and then nothing of that kind is left; what follows the speed in part does, too.
+bool is_ahead_of_time(const ErrorModel& m, const Choice& c, std::size_t i) {
+  const Term& t = m.term(c.chosen[i]);
+  if (t.effect.type != latency_effect().name || m.coefficients(c.chosen, c.fit, i)[0] >= 0) return false;
+  const bool guessed = std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
+    const Term& other = m.term(g);
+    return !other.named() && (is_guessed(other.pattern) || other.pattern == Shape::unknown);
+  });
+  return guessed || (c.correlation >= 1.5 && !m.is_complete(c.chosen));
+}
+
 }  // namespace
 
 std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) {
   std::vector<std::string> families;
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
-        is_part_of_curve(m, c, i) || is_beside_order(m, c, i) || fits_anywhere(m, c, i))
+        is_part_of_curve(m, c, i) || is_beside_order(m, c, i) || fits_anywhere(m, c, i) ||
+        is_ahead_of_time(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
 }

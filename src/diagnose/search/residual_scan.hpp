@@ -25,7 +25,8 @@ bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 ///   leave something;
 /// - a name that explains little without the uncatalogued shapes: it only corrects these;
 /// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed;
-/// - a name that, beside a correlated remainder, explains as much where its columns are shifted in time.
+/// - a name that, beside a correlated remainder, explains as much where its columns are shifted in time;
+/// - a reading ahead of time beside anything else that is left.
 std::vector<std::string> without_contrast(const ErrorModel&, const Choice&);
 
 /// Families of the chosen terms that the quantizer alone would bring: the fit without the term, sent through

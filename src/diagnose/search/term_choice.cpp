@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -161,6 +162,7 @@ class Refinement {
   bool refine() {
     refine_reshaped(choice_.chosen, choice_.fit, 0.02);
     refine_time_constants();
+    refine_travel();
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i) keep_size(i);
     for (const LinearModel::Set* set : {&choice_.chosen, &choice_.richest})
       for (const std::size_t g : *set) keep(m_.candidate(g));
@@ -258,10 +260,51 @@ class Refinement {
                                });
       next.linearizations.push_back(now);
     }
+    const Candidate& c = m_.candidate(choice_.chosen[i]);
+    if (c.most != 0 && effect_kind(c.term.effect.type).stage == Stage::clock && c.term.named()) {
+      const Eigen::VectorXd p = coefficients(i);
+      changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
+                               [&](const Scanned::Linearization& before) {
+                                 return before.effect == c.term.effect.type &&
+                                        before.parameters.size() == 1 &&
+                                        std::abs(p[0] - before.parameters[0]) <= 0.01 * std::abs(p[0]);
+                               });
+      next.linearizations.push_back({c.term.effect.type, p});
+    }
     if (!term(i).hysteresis) return;
     const double size = coefficients(i)[0];
     changed_ |= scanned_.hystereses.empty() || std::abs(size - scanned_.hystereses.front()) > 0.02 * size;
     next.hystereses.push_back(size);
+  }
+
+  /// The travel of the friction that leaves least beside what is no hysteresis, between neighbours at half
+  /// the previous ratio. A play may stand for one whose travel the series has not met.
+  void refine_travel() {
+    // The first is about the root of the ratio of the dictionary's series.
+    constexpr double first = 1.8, fine = 1.03;
+    const auto travels = [](const Term& t) { return t.effect.numbers.find("travel"); };
+    LinearModel::Set others;
+    bool friction = false;
+    for (std::size_t i = 0; i < choice_.chosen.size(); ++i) {
+      const bool here = travels(term(i)) != term(i).effect.numbers.end();
+      friction |= here;
+      if (!here && !term(i).hysteresis) others.push_back(choice_.chosen[i]);
+    }
+    if (others.size() == choice_.chosen.size() || (!friction && m_.is_complete(choice_.chosen))) return;
+    others.push_back(0);
+    double least = std::numeric_limits<double>::infinity(), best = 0;
+    for (std::size_t g = 0; g < m_.candidates().size(); ++g) {
+      const auto travel = travels(m_.term(g));
+      if (travel == m_.term(g).effect.numbers.end()) continue;
+      others.back() = g;
+      if (const LinearModel::Fit f = m_.fit(others); f.regular && f.rss < least)
+        least = f.rss, best = travel->second;
+    }
+    if (best == 0) return;
+    const std::vector<double>& before = scanned_.travels;
+    const double ratio = before.empty() ? first : std::max(fine, std::sqrt(before[0] / before[1]));
+    next.travels = {ratio * best, best, best / ratio};
+    changed_ |= ratio > fine;
   }
 
   /// Keeps what a term of a scan needs to be found again.

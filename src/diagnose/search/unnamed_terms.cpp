@@ -204,22 +204,27 @@ Term speed_term(const RecordSignals& s) {
                     s.velocity.abs());
 }
 
-Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double travel) {
+Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double travel, bool from_start) {
   const Evidence& e = *sampling.record;
   const double noise = std::max(6 * e.path_noise, 1e-3 * e.step());
-  Eigen::ArrayXd state(e.rows());
-  double at = path[0], z = 0;
+  Eigen::ArrayXd state(e.rows()), start(e.rows());
+  double at = path[0], z = 0, kept = 1;
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
     const double next = std::clamp(at, path[k] - noise, path[k] + noise), by = next - at;
     if (by != 0) {
       const double side = by > 0 ? 1 : -1;
-      z = side + (z - side) * std::exp(-std::abs(by) / travel);
+      const double forgotten = std::exp(-std::abs(by) / travel);
+      z = side + (z - side) * forgotten;
+      kept *= forgotten;
     }
     at = next;
-    state[k] = z;
+    state[k] = z, start[k] = kept;
   }
-  Term t = sized_term(e, Shape::hysteresis, "hysteresis that builds up over a travel after each reversal",
-                      sampling.averaged(state));
+  Eigen::ArrayXXd columns(static_cast<Eigen::Index>(sampling.groups.size()), from_start ? 2 : 1);
+  columns.col(0) = sampling.averaged(state);
+  if (from_start) columns.col(1) = sampling.averaged(start);
+  Term t = unnamed_term(e, Shape::hysteresis, "hysteresis that builds up over a travel after each reversal",
+                        std::move(columns));
   t.fill = [](Effect& effect, const Eigen::VectorXd& c) { effect.numbers["width"] = 2 * std::abs(c[0]); };
   t.effect.numbers["travel"] = travel;
   return t;

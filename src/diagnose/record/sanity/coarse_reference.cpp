@@ -50,8 +50,22 @@ bool is_varied(const Eigen::ArrayXd& x, double step) {
          ((by - by.mean()).abs() > 0.5 * step).count() >= fewest;
 }
 
+/// Where a row is missing of a motion at constant speed, changes are multiples of that of a row. Between its
+/// neighbours in time the value is then where the motion is; on a grid it is off by half a step at each
+/// change.
+bool is_off_motion(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double step) {
+  constexpr int fewest = 32;
+  constexpr double off = 0.25;  // of a step
+  int count = 0;
+  for (Eigen::Index k = 1; k + 1 < x.size(); ++k) {
+    const double part = (time[k] - time[k - 1]) / (time[k + 1] - time[k - 1]);
+    count += std::abs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1])) > off * step;
+  }
+  return count >= fewest;
+}
+
 /// A step, refined by larger and larger changes; 0 if they are no multiples of it.
-double refined_step(const Eigen::ArrayXd& x, double step) {
+double refined_step(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double step) {
   int several = 0;
   for (double most = 4; most <= 1024; most *= 4) {
     const Changes c = changes_of(x, step, most);
@@ -59,19 +73,19 @@ double refined_step(const Eigen::ArrayXd& x, double step) {
     if (c.step > 0) step = c.step;
     several = c.several;
   }
-  return several >= fewest_changes && is_varied(x, step) ? step : 0;
+  return several >= fewest_changes && is_varied(x, step) && is_off_motion(time, x, step) ? step : 0;
 }
 
 /// Step of a column whose values are on a grid coarser than `least`; else 0. The smallest change is one step
 /// or a few.
-double grid_of(const Eigen::ArrayXd& x, double least) {
+double grid_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double least) {
   double smallest = 1e300;
   for (Eigen::Index k = 1; k < x.size(); ++k)
     if (const double by = std::abs(x[k] - x[k - 1]); by > 0) smallest = std::min(smallest, by);
   if (smallest == 1e300) return 0;
   for (const double steps : {1.0, 2.0, 3.0}) {
     if (smallest / steps < least) break;
-    if (const double step = refined_step(x, smallest / steps); step > 0) return step;
+    if (const double step = refined_step(time, x, smallest / steps); step > 0) return step;
   }
   return 0;
 }
@@ -86,7 +100,10 @@ void check_reference_grid(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   if (reference.size() < 2 || !recorded_counts(s, encoder)) return;
   const double step = s.model.transmission.encoders[encoder].resolution;
-  const double grid = grid_of(reference, negligible_grid * step);
+  const auto stamps = s.log.find(LogSignal::time);
+  const Eigen::ArrayXd time = stamps ? Eigen::ArrayXd(s.log.values.col(*stamps))
+                                     : Eigen::ArrayXd::LinSpaced(reference.size(), 0.0, 1.0);
+  const double grid = grid_of(time, reference, negligible_grid * step);
   s.reference_grid[encoder] = grid;
   if (grid < step) return;
   s.data.push_back({"the reference changes in steps of " + readable(grid, unit_of_joint(s, encoder)) + " = " +

@@ -40,10 +40,17 @@ struct Followed {
   double slack = 0;    ///< error of a difference of the motion
 };
 
+/// A change of a signal, and the motion since the change before.
+struct Update {
+  double travel = 0;
+  int rows = 0;
+  bool held = false;
+};
+
 struct Updates {
   std::vector<Eigen::Index> all;
-  std::map<int, int> held;        ///< number of held updates by rows since the previous one
-  double telling = 0, stale = 0;  ///< motion between updates that would show a hold, and that does
+  std::vector<Update> since;  ///< of each but the first
+  std::map<int, int> held;    ///< number of held updates by rows since the previous one
   Eigen::Index first = 0;
 };
 
@@ -56,14 +63,14 @@ Updates updates_of(const Followed& f) {
   for (Eigen::Index k = 1; k < f.signal.size(); ++k) {
     if (f.signal[k] == f.signal[k - 1]) continue;
     const double travel = f.motion[k] - f.motion[last];
+    if (last > 0) u.since.push_back({std::abs(travel), static_cast<int>(k - last)});
     if (last > 0 && std::abs(travel) > 2 * least) {
-      u.telling += std::abs(travel);
       const bool stayed = std::abs(f.motion[k - 1] - f.motion[last]) > least;
       // A twentieth of the travel: errors of scale.
       const bool made_up =
           std::abs(f.signal[k] - f.signal[last] - travel) < 2 * least + 0.05 * std::abs(travel);
       if (stayed && made_up) {
-        u.stale += std::abs(travel);
+        u.since.back().held = true;
         ++u.held[static_cast<int>(k - last)];
         if (u.first == 0) u.first = last;
       }
@@ -77,10 +84,19 @@ std::optional<Hold> hold_of(const Sanity& s, const Followed& f) {
   Updates u = updates_of(f);
   int count = 0, below = 0;
   for (const auto& [rows, updates] : u.held) count += updates;
-  if (count < fewest_updates || u.stale < 0.5 * u.telling) return std::nullopt;
+  if (count < fewest_updates) return std::nullopt;
   Hold h{0, u.first, {}};
   for (const auto& [rows, updates] : u.held)
     if (below <= count / 2) h.rows = rows, below += updates;
+  // A change that comes sooner than a hold of these rows would at its speed is of a live sensor: noise of the
+  // readings now and then repeats a value, too.
+  double telling = 0, stale = 0;
+  for (const Update& update : u.since) {
+    const double in_hold = update.travel * std::max(1.0, static_cast<double>(h.rows) / update.rows);
+    if (in_hold > 2 * (f.quantum + f.slack)) telling += update.travel;
+    if (update.held) stale += update.travel;
+  }
+  if (stale < 0.5 * telling) return std::nullopt;
   // Where all updates have one phase, rows at rest in this phase are fresh, too.
   const auto phase = [&](Eigen::Index k) {
     return static_cast<std::size_t>(s.log.row_number(k) % static_cast<std::uint64_t>(h.rows));
