@@ -309,6 +309,8 @@ CLEAN = [
     ("latency", made(late)),
     ("large_eccentricity", made(add(lambda r: 120 * STEP * np.sin(r.x + 0.4)))),
     ("noise", made(add(lambda r: 1.5 * STEP * r.rng.standard_normal(len(r.x))))),
+    *[(f"noise_{n}_ramp", made(add(lambda r, n=n: n * STEP * r.rng.standard_normal(len(r.x))), path="ramp",
+                                size=0.5 * STEP * 5000 * per_row)) for per_row, n in ((1, 1), (2, 2))],
     ("jitter", made(jitter)),
     *[(f"{name}_dwells", made(change, path="dwells")) for name, change in
       (("jitter", jitter), ("late", late), ("creep", creep), ("play", play), ("slip", slip), ("noise", noisy(0.2)))],

@@ -23,6 +23,23 @@ TEST(Latency, OfManyCountsIsTheOnlyCause) {
   }
 }
 
+/// At a reversal that is sharper than the delay is long, a late reading is late, and no friction.
+TEST(Latency, OfSeveralRowsIsFoundBetweenSharpReversals) {
+  Machine m(500);
+  m.rate = 100, m.rows = 4000, m.resolution = 1.5e-5, m.noise = 0.1 * m.resolution;
+  const auto triangle = [](const Column& t) {
+    return Column(0.06 * (0.13 * 2 * std::numbers::pi * t).sin().asin());
+  };
+  m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+  m.path = triangle(m.time);
+  const double delay = 3 / m.rate;
+  const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(triangle(m.time - delay))));
+  ASSERT_EQ(d.causes.size(), 1U);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+  EXPECT_EQ(d.causes[0].effect.type, "latency");
+  EXPECT_NEAR(d.causes[0].effect.number("delay"), delay, 1e-3 * delay);
+}
+
 /// Where a play leaves what it drives, along a finely sampled path of the driving side.
 Column driven(const Column& driving, double gap) {
   Column at = driving;

@@ -95,6 +95,24 @@ TEST(UncataloguedShapes, DoNotRaiseWhatQuantizationAndNoiseLeave) {
   EXPECT_NEAR(d.gain.counts_after / d.gain.sigma_ratio, std::sqrt(1 / 12.0 + 0.05 * 0.05), 0.02);
 }
 
+/// Friction with a soft drive (Dahl 1968) from a state that the record does not show.
+TEST(UncataloguedShapes, AFrictionIsAHysteresisOfItsTravelAndNoPlay) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Machine m(950 + seed);
+    const double travel = m.between(0.01, 0.3), size = 20 * m.resolution;
+    Column state = Column::Constant(m.rows, m.between(-1, 1));
+    for (Eigen::Index k = 1; k < m.rows; ++k) {
+      const double by = m.path[k] - m.path[k - 1], side = by > 0 ? 1 : -1;
+      state[k] = side + (state[k - 1] - side) * std::exp(-std::abs(by) / travel);
+    }
+    const Diagnosis d = diagnose(model_of(m), {}, {}, qerr::log_of(m, m.counted(m.path + size * state)));
+    EXPECT_TRUE(d.causes.empty()) << seed << ' ' << (d.causes.empty() ? "" : d.causes[0].effect.type);
+    ASSERT_EQ(d.unexplained.size(), 1U) << seed;
+    EXPECT_EQ(d.unexplained[0].shape, Shape::hysteresis) << seed;
+    EXPECT_NEAR(d.unexplained[0].figures.at("travel"), travel, 0.1 * travel) << seed;
+  }
+}
+
 /// Two joints of which the drive of the one moves the other.
 TEST(Diagnosis, FindsACouplingThatWasLeftOut) {
   Machine first(51), second(52);

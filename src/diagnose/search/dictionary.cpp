@@ -180,7 +180,7 @@ class Candidates {
       };
       const auto [least, most] = std::minmax({size / ratio, size * ratio});
       found_.push_back({history(family + " as recorded", size, over), family,
-                        static_cast<double>(sizes.size()), least, most, 0, over});
+                        static_cast<double>(sizes.size()), least, most, 0, false, over});
     }
   }
 
