@@ -102,7 +102,8 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
       // The zero is anywhere within a count; along a motion `change_with_zero` has what that changes.
       for (std::size_t i = 0; i < usage.encoders.size(); ++i)
         if (!usage.encoders[i].duration)
-          at_encoders(static_cast<Eigen::Index>(i), 0) += 0.5 * model.transmission.encoders[i].resolution;
+          at_encoders.row(static_cast<Eigen::Index>(i)).array() +=
+              0.5 * model.transmission.encoders[i].resolution;  // it adds nothing to sigma
     }
     Eigen::MatrixX2d& before = at_joint(current) ? at_joints : at_encoders;
     for (EffectShare& s : shares) {

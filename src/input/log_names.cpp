@@ -28,14 +28,15 @@ struct UnitWords {
   std::string_view unit, words;
 };
 constexpr UnitWords unit_words[]{
-    {"deg", " degree degrees degs grados gradi "},
-    {"rad", " radian radians "},
+    {"deg", " deg degree degrees degs grados gradi "},
+    {"rad", " rad radian radians "},
+    {"mrad", " mrad milliradian milliradians "},
     {"in", " inch inches zoll "},
     {"arcsec", " arcseconds arcsecond arc-seconds \" "},
     {"arcmin", " arcminutes arcminute ' "},
     {"rev",
      " revolution revolutions revs turn turns cycles umdrehungen umdrehung tr tours tour vueltas giri "},
-    {"s", " sec secs second seconds sekunde sekunden seconde secondes segundo segundos secondo secondi "},
+    {"s", " sec sek secs second seconds sekunde sekunden seconde secondes segundo segundos secondo secondi "},
     {"ms",
      " msec msecs millis millisec millisecond milliseconds millisekunden millisecondes milisegundos "
      "millisecondi "},

@@ -195,6 +195,11 @@ def check_comparison(t, qerr, folder):
     ran = run(qerr, "check", own, *coarser, "--baseline", old, "--tolerance", "2%", "--format", "json")
     worse = json.loads(ran.out)["regressions"] if ran.out else []
     t.check("check of a coarser encoder against the baseline: 1", ran.code == 1 and worse and all(r["change"] > 0.02 for r in worse), str(worse))
+    coarse = folder / "coarse.json"
+    run(qerr, "check", own, *coarser, "--format", "json", "-o", coarse)
+    ran = run(qerr, "check", own, "--baseline", coarse)
+    t.check("a baseline of another --set: said", ran.code == 0 and b"--set 'encoders.*.counts_per_rev=1000'" in ran.err and
+            b"different specs" in ran.err, ran.err.decode()[:300])
     bare = ["--set", "requirements=[]"]
     expect(t, "check without requirements: 3", run(qerr, "check", own, "-q", *bare), 3)
     expect(t, "check without requirements, with a baseline: 0", run(qerr, "check", own, "-q", *bare, "--baseline", old), 0, quiet_stdout=False)

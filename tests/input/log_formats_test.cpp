@@ -173,6 +173,8 @@ TEST_F(LogFormats, UnitsInOtherWordsAreTheirUnits) {
                                              {"t_us", "shoulder.reference [degrees]", 1e-6, deg},
                                              {"Zeit / s", "shoulder.reference (\xC2\xB0)", 1, deg},
                                              {"Zeit [Sekunden]", "shoulder.reference in Grad", 1, deg},
+                                             {"Time [Sec]", "shoulder.reference [DEG]", 1, deg},
+                                             {"Time [sek]", "shoulder.reference [mRad]", 1, 1e-3},
                                              {"temps (secondes)", "shoulder.reference_mrad", 1, 1e-3},
                                              {"timestamp [nanoseconds]", "shoulder.reference / rad", 1e-9, 1},
                                              {"__time", "shoulder.reference [arcseconds]", 1, deg / 3600},

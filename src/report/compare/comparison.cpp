@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
@@ -241,6 +242,13 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
         old.file, "robot", "the baseline is that of another robot or chain than " + quoted(now.file),
         quoted(old.robot) + ", here " + quoted(now.robot), "write it anew: qerr check SPEC -o OLD.json");
   BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, {}, comparison_warnings(old, now)};
+  if (old.changes != now.changes) {
+    const auto with = [](const std::vector<std::string>& changes) {
+      return changes.empty() ? "no --set" : "--set " + joined(changes, " --set ", shell_word);
+    };
+    check.warnings.push_back("the baseline is of " + with(old.changes) + ", these figures of " +
+                             with(now.changes) + ": they are of different specs");
+  }
   for (const FigureChange& c : figure_changes(old, now)) {
     check.compared += c.in_both();
     if (!c.b) check.missing.push_back(c.figure);
