@@ -37,7 +37,7 @@ EncoderSearch::EncoderSearch(const ChoiceProblem& problem)
 }
 
 /// Whether option a is no dearer than b, no coarser in any column, and precedes it in the order of choices.
-/// Of a figure that only `judge` knows, nothing says that a is no worse.
+/// Figures that only `judge` knows do not tell.
 bool EncoderSearch::dominates(std::size_t joint, std::size_t a, std::size_t b) const {
   const auto& prices = problem_.prices[joint];
   if (prices[a] > prices[b] || (prices[a] == prices[b] && a > b)) return false;

@@ -59,15 +59,20 @@ struct SignalPath {
     }
   }
 
-  /// Effects of some stages, in their order.
+  /// Effects of some stages, in their order; the sines of a stage where the first of them is, as ActionPath
+  /// has them.
   void pass(const std::vector<Effect>& effects, Stage first, Stage last) {
     for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage) {
-      before_sines.resize(0);
+      std::vector<const Effect*> here;
       for (const Effect& effect : effects) {
-        const Stage here = effect_kind(effect.type).stage;
-        if (effect.joint != e.joint || static_cast<int>(here) != stage || is_random(effect)) continue;
-        if (e.ordered || here != Stage::clock) act(effect);
+        const Stage own = effect_kind(effect.type).stage;
+        if (effect.joint != e.joint || static_cast<int>(own) != stage || is_random(effect)) continue;
+        if (e.ordered || own != Stage::clock) here.push_back(&effect);
       }
+      const auto is_sine = [](const Effect* effect) { return is_periodic(effect_kind(effect->type)); };
+      std::stable_partition(std::find_if(here.begin(), here.end(), is_sine), here.end(), is_sine);
+      before_sines.resize(0);
+      for (const Effect* effect : here) act(*effect);
     }
   }
 };

@@ -222,7 +222,9 @@ class CauseSearch {
           !term(i).constant && (!model_->candidate(choice_.chosen[i]).replaces_only ||
                                 has_possible_size(*model_, choice_.chosen[i],
                                                   model_->coefficients(choice_.chosen, choice_.fit, i)));
-    if (!possible) choice_ = before;
+    if (possible) return;
+    choice_ = before;
+    history_.arcs = false;
   }
 
   bool refute(const std::vector<std::string>& refuted) {

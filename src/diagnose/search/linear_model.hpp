@@ -62,7 +62,7 @@ class LinearModel {
   /// a set, over all directions; 0 if the set can take the group's place.
   double least_information(const std::vector<ColumnGroup>&, const Set&, std::size_t group) const;
 
-  /// The same decrease in the principal directions of the coefficients, ascending.
+  /// Decrease of the residual in the principal directions of the coefficients, ascending.
   Eigen::VectorXd information(const std::vector<ColumnGroup>&, const Set&, std::size_t group) const;
 
   double rows() const { return rows_; }

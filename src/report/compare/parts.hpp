@@ -11,7 +11,7 @@ double relative_change(double a, double b);
 inline bool same_figure(const NamedFigure& a, const NamedFigure& b) {
   return a.quantity == b.quantity && a.statistic == b.statistic;
 }
-/// The same figure of a report; null if there is none.
+/// Finds a figure in another report; null if it has none like it.
 const NamedFigure* find_figure(const NamedFigures&, const NamedFigure& like);
 
 /// What makes the figures of two reports hard to compare.
