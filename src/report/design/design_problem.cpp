@@ -191,6 +191,18 @@ Spec DesignProblem::variant(const OptionChoice& choice, const FilterSet& set) co
 
 std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice, const FilterSet& set,
                                                       const std::vector<double>* limits) const {
+  if (limits && !any_proven_ && set.evaluated) {  // values are those of any limits; proofs depend on them
+    auto known = set.evaluated->find(choice);
+    if (known == set.evaluated->end()) known = set.evaluated->emplace(choice, results(choice, set)).first;
+    std::vector<RequirementResult> all = known->second;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Requirement r = base_.requirements[i];
+      if (!r.limits_error()) continue;
+      r.limit = (*limits)[i];
+      all[i].met = r.met_by(all[i].value);
+    }
+    return all;
+  }
   Spec spec = variant(choice, set);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
     if (spec.requirements[i].limits_error()) spec.requirements[i].limit = (*limits)[i];

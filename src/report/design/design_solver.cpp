@@ -16,6 +16,8 @@ std::vector<double> stated_limits(const Spec& spec, std::size_t stated) {
 DesignSolver::DesignSolver(DesignProblem& problem, std::vector<FilterSet> sets, SearchProgress progress)
     : problem_(problem), sets_(std::move(sets)), searched_(sets_.size()), progress_(std::move(progress)) {
   for (std::size_t j = 0; j < problem.options().size(); ++j) any_encoder_ = any_encoder_ || problem.chosen(j);
+  for (FilterSet& set : sets_)
+    set.evaluated = std::make_shared<std::map<OptionChoice, std::vector<RequirementResult>>>();
 }
 
 DesignSolver::Searched& DesignSolver::searched(std::size_t set) {
