@@ -117,40 +117,48 @@ void EncoderSearch::learn(std::size_t f, const SumWeights& weights, const LimitT
   }
 }
 
-bool EncoderSearch::meets(std::size_t f, const OptionChoice& choice, double limit) {
+bool EncoderSearch::meets(std::size_t f, const OptionChoice& choice, double limit, bool learning) {
+  const auto known = compared_.find(choice);
+  if (known != compared_.end()) {
+    if (limit >= known->second[f].met) return true;
+    if (limit <= known->second[f].failed) return false;
+  }
   const ChoiceFigure& figure = problem_.figures[f];
   const SumWeights weights = weights_of(figure, choice);
   for (const auto& of_sum : weights) work_ += static_cast<double>(problem_.configurations * of_sum.size());
   const LimitTest test =
       compare_with_limit(figure, weights, limit, problem_.configurations, last_failure_[f]);
-  if (!test.met) learn(f, weights, test);
+  if (test.met && known != compared_.end()) known->second[f].met = limit;
+  if (!test.met && learning) {
+    if (known != compared_.end()) known->second[f].failed = limit;
+    learn(f, weights, test);
+  }
   return test.met;
 }
 
 EncoderSearch::Leaf EncoderSearch::evaluate(const OptionChoice& choice) {
   bool judged = false;
-  for (std::size_t f = 0; f < problem_.figures.size(); ++f) {
+  const std::size_t figures = problem_.figures.size();
+  for (std::size_t i = 0, first = failed_; i < figures; ++i) {
+    const std::size_t f = (first + i) % figures;
     const ChoiceFigure& figure = problem_.figures[f];
     const double limit = request_.limits[f];
     if (limit == std::numeric_limits<double>::infinity()) continue;
     judged = judged || figure.sums.empty() || figure.bound;
-    if (!figure.sums.empty() && !meets(f, choice, limit * (1 + figure.tolerance))) return Leaf::failed;
+    if (figure.sums.empty() || meets(f, choice, limit * (1 - figure.tolerance), false)) continue;
+    judged = true;  // near a limit, rounding decides: the figures of the report do
+    if (meets(f, choice, limit * (1 + figure.tolerance), true)) continue;
+    failed_ = f;
+    return Leaf::failed;
   }
-  // Near a limit, rounding decides: the figures of the report do.
-  for (std::size_t f = 0; f < problem_.figures.size() && !judged; ++f) {
-    const ChoiceFigure& figure = problem_.figures[f];
-    const double limit = request_.limits[f];
-    if (figure.sums.empty() || limit == std::numeric_limits<double>::infinity()) continue;
-    const SumWeights weights = weights_of(figure, choice);
-    judged = !compare_with_limit(figure, weights, limit * (1 - figure.tolerance), problem_.configurations,
-                                 last_failure_[f])
-                  .met;
+  if (judged && problem_.judge) {
+    ChoiceProblem::Verdict verdict = problem_.judge(choice, request_.limits);
+    work_ += verdict.work;
+    for (ChoiceCut& cut : verdict.cuts) cuts_.add(std::move(cut));
+    if (!verdict.met) return Leaf::failed;
   }
-  if (!judged || !problem_.judge) return Leaf::met;
-  ChoiceProblem::Verdict verdict = problem_.judge(choice, request_.limits);
-  work_ += verdict.work;
-  for (ChoiceCut& cut : verdict.cuts) cuts_.add(std::move(cut));
-  return verdict.met ? Leaf::met : Leaf::failed;
+  compared_.try_emplace(choice, figures);
+  return Leaf::met;
 }
 
 bool EncoderSearch::restrict(PermittedOptions& permitted, std::int64_t& bound) {

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -244,7 +246,8 @@ class EncoderSearch {
   PermittedOptions undominated(std::size_t kept) const;
   bool dominates(std::size_t joint, std::size_t a, std::size_t b) const;
   Leaf evaluate(const OptionChoice&);
-  bool meets(std::size_t figure, const OptionChoice&, double limit);
+  /// @param learning  whether a limit that is not met becomes a cut
+  bool meets(std::size_t figure, const OptionChoice&, double limit, bool learning);
   void learn(std::size_t figure, const SumWeights&, const LimitTest&);
   bool keep(const OptionChoice&);
   std::int64_t most() const;
@@ -261,6 +264,13 @@ class EncoderSearch {
   CutPool cuts_;
   std::vector<FailureSample> samples_;     // [figure]
   std::vector<std::size_t> last_failure_;  // [figure]: configuration
+  /// The least limit that a figure is known to meet, and the largest of which a cut says that it does not.
+  struct Compared {
+    double met = std::numeric_limits<double>::infinity(), failed = -met;
+  };
+  std::map<OptionChoice, std::vector<Compared>>
+      compared_;            // [figure], of choices that met all limits of a search
+  std::size_t failed_ = 0;  // figure that was not met last: it is compared first
   ChoiceRequest request_;
   PermittedOptions all_;
   std::vector<Priced> best_;

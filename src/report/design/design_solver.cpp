@@ -136,11 +136,14 @@ std::optional<FoundDesign> DesignSolver::least_in(std::size_t set, const std::ve
     low = std::max(low, figure_value(figure, weights, problem.configurations) / g.scale);
   }
   low = std::max(low, 1e-9 * high);
-  while (high > low && proven) {
-    const bool last = high < near * low;
+  // Whether any is lower is asked before each halving: what is known to begin with is often the least
+  // already.
+  for (bool any = true; high > low && proven;) {
+    const bool last = any || high < near * low;
     const double part = last ? high * (1 - tie(set, goals)) : std::sqrt(low * high);
     if (look(part)) {
       high = largest(*best, goals);
+      any = !last;
     } else {
       if (last) break;
       low = part;
