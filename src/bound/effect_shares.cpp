@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "control/control.hpp"
 #include "effect/reading.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -169,6 +170,9 @@ std::vector<IndependentError> error_sources(const OperationalModel& model,
     for (std::size_t f = 0; f < norms.size(); ++f)
       source.sigma_ratios.push_back(sigma_ratio(
           s, norms[f], f < step_energies.size() ? std::optional(step_energies[f]) : std::nullopt));
+    if (model.control && s.share->spectrum != Spectrum::white)  // not known in the joints' loops
+      source.sigma_ratios.resize(norms.size() + 2 * model.control->joints.size(),
+                                 std::numeric_limits<double>::quiet_NaN());
     sources.push_back(std::move(source));
   }
   return sources;

@@ -54,12 +54,15 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   mean_ = of_each(errors, [](const auto& e) { return e.mean; });
   const Eigen::VectorXd sigma = of_each(errors, [](const auto& e) { return e.sigma; });
   joints_ = joint_error(model).worst_case;
-  white_ = of_each(errors, [&](const auto& e) {
-    const bool white = e.sigma_ratios.empty() ||
-                       (!requested.filters.empty() && e.sigma_ratios.front() == requested.filters.front().h2);
-    return white ? e.sigma : 0;
-  });
+  // Errors that are not white have ratios of the joints' loops behind those of the filters.
+  const std::size_t of_filters = requested.filters.size();
+  white_ = of_each(errors, [&](const auto& e) { return e.sigma_ratios.size() <= of_filters ? e.sigma : 0; });
   slow_ = sigma - white_;
+  for (const IndependentError& e : errors) {
+    std::vector<LoopRatio>& ratios = slow_ratios_.emplace_back();
+    for (std::size_t i = of_filters; i + 1 < e.sigma_ratios.size(); i += 2)
+      ratios.push_back({e.sigma_ratios[i], e.sigma_ratios[i + 1]});
+  }
   const auto count = static_cast<Eigen::Index>(model.signals.size());
   for (std::size_t f = 0; f <= requested.filters.size(); ++f) {
     Behind& b = behind_.emplace_back();
@@ -114,8 +117,8 @@ void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& q, const Eigen
   }
 }
 
-/// Half widths times ||G||_1, means times G(1); white errors times ||G||_2, and others, of which the spectrum
-/// is not known, times ||G||_1, the most that any frequency passes.
+/// Half widths times ||G||_1, means times G(1); white errors times ||G||_2, slow ones times their ratios
+/// where these are known, and others times ||G||_1, the most that any frequency passes.
 void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, const LoopsAt& loops,
                               double* figures) const {
   const Signal& s = model_.signals[signal];
@@ -127,13 +130,21 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, cons
     return total;
   };
   double worst = sum(n.l1, half_width_) + std::abs(sum(n.dc, mean_));
-  double variance = sum(n.h2.cwiseAbs2(), white_.cwiseAbs2()) + sum(n.l1.cwiseAbs2(), slow_.cwiseAbs2());
+  double variance = sum(n.h2.cwiseAbs2(), white_.cwiseAbs2());
+  for (Eigen::Index e = 0; e < slow_.size(); ++e) {
+    if (slow_[e] == 0) continue;
+    LoopsAt passed = loops;
+    passed.slow = &slow_ratios_[static_cast<std::size_t>(e)];
+    variance += std::pow(s.kind->norms(model_, s.index, q, moved_.col(e), passed).l1[0] * slow_[e], 2);
+  }
   if (model_.along_motion) {
     const SignalMoments& joints = model_.along_motion->joints;
-    const SignalNorms by_joint =
-        s.kind->norms(model_, s.index, q, Eigen::MatrixXd::Identity(q.size(), q.size()), loops);
-    worst += sum(by_joint.l1, joints.peak);
-    variance += std::pow(sum(by_joint.l1, joints.covariance.diagonal().cwiseSqrt()), 2);
+    const Eigen::MatrixXd each = Eigen::MatrixXd::Identity(q.size(), q.size());
+    LoopsAt passed = loops;
+    passed.slow = &model_.control->along_motion;
+    worst += sum(s.kind->norms(model_, s.index, q, each, loops).l1, joints.peak);
+    variance += std::pow(
+        sum(s.kind->norms(model_, s.index, q, each, passed).l1, joints.covariance.diagonal().cwiseSqrt()), 2);
   }
   const std::size_t at = model_.coordinates.size() + model_.lengths.size() + signal;
   const auto write = [&](std::size_t block, double value) { figures[(block + at) * batch_size] = value; };

@@ -6,9 +6,11 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/text.hpp"
 #include "input/text_source.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 
@@ -43,6 +45,10 @@ Baselines baselines_of(const Values& v) {
   if (!v.given("baseline")) return {};
   const std::string& file = v.text("baseline");
   const double tolerance = tolerance_of(v);
+  if (tolerance >= 1)
+    warn({"--tolerance " + v.text("tolerance") + " is " + percent(tolerance) + ": a figure may grow to " +
+          significant(1 + tolerance, 3) + " times that of the baseline; 2 % is 0.02 or 2%"},
+         v);
   std::vector<std::string> inputs = v.texts("SPEC");
   inputs.push_back(file);
   refuse_shared_input(inputs, "--baseline");

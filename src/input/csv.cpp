@@ -6,6 +6,7 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
+#include "input/log_names.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -131,6 +132,37 @@ void CsvReader::read_header() {
   if (format_.has_units) add_units();
   if (format_.keyed_until > 0) take_keyed_rows();
   if (limits_.recognize) fit_header();
+  if (limits_.recognize) look_at_cells();
+}
+
+/// Units behind the numbers of a column become that of its header; and columns have decimal commas of their
+/// own.
+void CsvReader::look_at_cells() {
+  constexpr std::size_t sampled = 200;
+  const std::vector<std::vector<std::string>> rows = first_rows(sampled);
+  for (std::size_t i = 0; i < header_.size(); ++i) {
+    std::vector<std::string> cells;
+    std::string unit;
+    bool of_all = true;
+    for (const auto& row : rows) {
+      if (i >= row.size() || is_missing(row[i])) continue;
+      cells.push_back(row[i]);
+      const std::string own = number_and_unit(row[i], format_.decimal).unit;
+      of_all = of_all && !own.empty() && (unit.empty() || own == unit);
+      unit = own;
+    }
+    if (cells.empty()) continue;
+    if (const std::string of_header = measured_name(header_[i]).unit;
+        of_all && (of_header.empty() || of_header == unit)) {
+      cell_units_.resize(header_.size());
+      cell_units_[i] = unit;
+      if (of_header.empty()) header_[i] += " [" + unit + ']';
+    }
+    if (format_.decimal == '.' && format_.separator != ',' && has_decimal_commas(cells)) {
+      comma_columns_.resize(header_.size());
+      comma_columns_[i] = true;
+    }
+  }
 }
 
 /// Takes the cells of the header, one after the other, as there may be very many.
@@ -196,6 +228,8 @@ void CsvReader::fit_header() {
     header_.erase(header_.begin());
     header_places_.erase(header_places_.begin());
   }
+  for (std::string& cell : header_)  // `time, angle` above rows that blanks separate
+    if (blanks && cell.size() > 1 && cell.ends_with(',')) cell.pop_back();
   const auto is_unit = [&](const std::string& cell) {
     return blanks ? cell.starts_with('(') || cell.starts_with('[') : is_unit_behind_comma(cell);
   };
@@ -228,18 +262,25 @@ std::string CsvReader::recognized() const {
   std::vector<std::string> all;
   if (!source_.encoding().empty()) all.emplace_back(source_.encoding());
   if (const std::string layout = source_.layout().description(); !layout.empty()) all.push_back(layout);
-  constexpr std::pair<char, const char*> separators[] = {
-      {';', "separated by semicolons"}, {'\t', "separated by tabulators"}, {' ', "separated by blanks"}};
+  constexpr std::pair<char, const char*> separators[] = {{';', "separated by semicolons"},
+                                                         {'\t', "separated by tabulators"},
+                                                         {'|', "separated by pipes"},
+                                                         {' ', "separated by blanks"}};
   if (limits_.recognize)
     for (const auto& [mark, text] : separators)
       if (mark == format_.separator) all.emplace_back(text);
   if (format_.decimal == ',') all.emplace_back("decimal commas");
+  for (std::size_t i = 0; i < comma_columns_.size(); ++i)
+    if (comma_columns_[i]) all.push_back("decimal commas in " + qerr::quoted(header_[i]));
+  if (std::any_of(cell_units_.begin(), cell_units_.end(), [](const auto& u) { return !u.empty(); }))
+    all.emplace_back("units in the cells");
   if (format_.header_is_comment) all.emplace_back("a comment as header");
   if (format_.has_units) all.emplace_back("units in the row behind the header");
   if (!format_.has_header && source_.layout().labels().empty())
     all.emplace_back("no header: columns by number, 'column 1'");
   if (format_.preamble > 0)
     all.push_back(counted(static_cast<std::size_t>(format_.preamble), "line") + " before the header");
+  if (empty_rows_ > 0) all.push_back(counted(empty_rows_, "empty row") + " at the end");
   if (left_out_ > 0) all.push_back(counted(left_out_, "line") + " of words behind a blank line left out");
   return joined(all);
 }
@@ -250,7 +291,7 @@ std::vector<std::vector<std::string>> CsvReader::first_rows(std::size_t most) co
   while (rows.size() < most && begin != last) {
     const char* const end = std::find(begin, last, '\n');
     if (end == last) break;
-    if (!std::all_of(begin, end, is_blank)) {
+    if (!std::all_of(begin, end, [&](char c) { return is_blank(c) || separates(c); })) {
       rows.emplace_back();
       try {
         for (Cell& cell : cells_of(begin, end)) rows.back().push_back(std::move(cell.text));
@@ -320,6 +361,7 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
       while (p != end && !separates(*p)) ++p;
       cell.text.assign(cell.begin, p);
       while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
+      cell.text = without_text_mark(cell.text);
       if (const auto at = cell.text.find('\r'); at != std::string::npos)
         throw Error(place_at(cell.begin + at), "", "a carriage return without a line feed", "",
                     "end lines with LF or CR LF");

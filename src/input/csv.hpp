@@ -120,6 +120,9 @@ class CsvReader {
   void add_units();
   void take_keyed_rows();
   void fit_header();
+  void look_at_cells();
+  std::string plain_text(const Cell&, std::size_t column) const;
+  bool only_empty_rows_follow();
   bool is_blank_in_cell(char c) const { return is_blank(c) && !separates(c); }
   bool separates(char c) const { return c == format_.separator || (format_.separator == ' ' && c == '\t'); }
   const char* record_end();
@@ -136,10 +139,12 @@ class CsvReader {
   TextSource source_;
   CsvLimits limits_;
   TableFormat format_;
-  std::string header_line_;    // with which a logger may start again
-  bool behind_blank_ = false;  // a blank line is before the present row
-  bool remarks_ = false;       // the present row is one of words behind a blank line
-  std::size_t left_out_ = 0;   // lines of words behind a blank line
+  std::string header_line_;     // with which a logger may start again
+  bool behind_blank_ = false;   // a blank line is before the present row
+  bool remarks_ = false;        // the present row is one of words behind a blank line
+  std::size_t left_out_ = 0;    // lines of words behind a blank line
+  std::size_t empty_rows_ = 0;  // at the end, of separators alone
+  std::int64_t filled_ = 0;     // a line that is none of them
   std::vector<char> buffer_;
   std::size_t row_ = 0;        // start in the buffer of the current row
   std::size_t next_ = 0;       // start of the next row
@@ -149,6 +154,9 @@ class CsvReader {
   std::int64_t line_ = 1, next_line_ = 1;
   std::vector<std::string> header_;
   std::vector<Place> header_places_;
+  /// [column of the file]: the unit behind each number of a column, `12.5 deg`; empty: none has any.
+  std::vector<std::string> cell_units_;
+  std::vector<bool> comma_columns_;  // those with decimal commas beside points; empty: there are none
   std::vector<std::ptrdiff_t>
       plan_;  // for every column of the file: index i of a number, -1: not read, -2 - i of a text
   std::vector<std::size_t> chosen_;      // for every chosen column: its index in the file

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
@@ -121,7 +122,7 @@ const char* read_number(const char* p, double& value, WrittenNumbers& written) {
 /// Reads a row of unquoted numbers. @returns its end, or null if the general path must read the row
 const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
   const char separator = format_.separator, decimal = format_.decimal;
-  if (separator == decimal) return nullptr;
+  if (separator == decimal || !cell_units_.empty() || !comma_columns_.empty()) return nullptr;
   const char* p = buffer_.data() + row_;
   const std::ptrdiff_t* const plan = plan_.data();
   const std::size_t last = plan_.size() - 1;
@@ -158,6 +159,7 @@ const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
   row_ = next_;
   line_ = next_line_;
+  if (buffer_[row_] == format_.separator && only_empty_rows_follow()) return false;
   if (const char* const end = remarks_ ? nullptr : fast_row(values, stride)) {
     next_ = static_cast<std::size_t>(end - buffer_.data());
     ++next_line_;
@@ -183,6 +185,7 @@ bool CsvReader::next_record() {
     row_ = next_;
     line_ = next_line_;
     if (next_ == end_ && !fill()) return false;
+    if (only_empty_rows_follow()) return false;
     const char* const end = record_end();
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
@@ -204,6 +207,26 @@ bool CsvReader::next_record() {
       continue;
     return true;
   }
+}
+
+/// Whether the rest of the table are rows without a filled cell, as spreadsheets write below one: `;;;;`.
+bool CsvReader::only_empty_rows_follow() {
+  if (line_ < filled_ || format_.separator == ' ') return false;
+  std::size_t rows = 0, empty = 0, length = 0;
+  bool cells = false;
+  for (bool more = true; more; more = fill()) {
+    for (; row_ + length < end_; ++length) {
+      const char c = buffer_[row_ + length];
+      cells = cells || separates(c);
+      if (c == '\n') ++rows, empty += std::exchange(cells, false);
+      if (c == '\n' || c == '"' || is_blank(c) || separates(c)) continue;
+      filled_ = line_ + static_cast<std::int64_t>(rows);
+      return false;
+    }
+  }
+  empty_rows_ += empty;
+  next_ = row_ = end_;
+  return true;
 }
 
 /// The line end of the record at `row_`, outside quotation marks; fills the buffer until it is found.
@@ -261,24 +284,42 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
   return text;
 }
 
+/// The text of a cell without the unit that all numbers of its column have, and with a decimal point where
+/// the column has commas of its own.
+std::string CsvReader::plain_text(const Cell& cell, std::size_t column) const {
+  std::string text = cell.text;
+  if (!cell_units_.empty() && !cell_units_[column].empty())
+    if (const NumberAndUnit parts = number_and_unit(text, format_.decimal); parts.unit == cell_units_[column])
+      text = std::string(parts.number);
+  if (!comma_columns_.empty() && comma_columns_[column])
+    make_decimal_point(text.data(), text.data() + text.size());
+  return text;
+}
+
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
   if (limits_.empty_cells && is_missing(cell.text)) {
     value = no_number;
     return;
   }
-  const std::string ended = with_decimal_point(cell, chosen) + '\n';
+  Cell plain = cell;
+  plain.text = plain_text(cell, chosen_[chosen]);
+  const std::string ended = with_decimal_point(plain, chosen) + '\n';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';
   const char* const end = read_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + ended.size() - 1) return;
-  const std::string unit = number_and_unit(cell.text).unit;
+  const std::string unit = number_and_unit(cell.text, format_.decimal).unit;
+  const bool comma = format_.separator != ',' && is_numeric(cell.text, ',');
   throw Error(
       place_at(cell.begin), header_[chosen_[chosen]],
-      cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
+      cell.text.empty() ? "the cell is empty"
+      : comma           ? "a decimal comma, beside decimal points in other rows or columns"
+                        : "not a finite decimal number",
       cell.text.empty() ? "" : "'" + cell.text + "'",
       cell.text.find("\u00b0") != std::string::npos && cell.text.find('\'') != std::string::npos
           ? "write degrees, minutes and seconds as decimal degrees, 12.582417 in a column '" +
                 column_name(header_[chosen_[chosen]]).name + " [deg]'"
+      : comma ? "write all numbers with one decimal mark"
       : unit.empty()
           ? "write a plain number, or leave the row out" + (is_missing(cell.text) ? limits_.empty_remedy : "")
           : "write the unit in the header, such as '" + column_name(header_[chosen_[chosen]]).name + " [" +
@@ -296,7 +337,7 @@ bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     general_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
   for (std::size_t i = 0; i < text_columns_.size(); ++i) {
-    std::string text = cells[text_columns_[i]].text;
+    std::string text = plain_text(cells[text_columns_[i]], text_columns_[i]);
     if (format_.decimal == ',' || format_.decimal_unknown)
       make_decimal_point(text.data(), text.data() + text.size());
     text_cells_[i] = text + '\n';

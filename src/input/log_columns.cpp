@@ -73,6 +73,15 @@ std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& 
   return std::nullopt;
 }
 
+/// What else a unit may mean that is not known, or is a million of what a log has.
+std::string meant_unit(const std::string& unit) {
+  if (unit == "grad") return "write [gon], 400 of a turn, or [deg]";
+  std::string lower = unit, why;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  return lower != unit && parse_unit(lower, why) ? "did you mean [" + lower + "]?" : "";
+}
+
 /// Reads the unit of a column from its header; without one the column is in SI units.
 void read_unit(LogColumn& column, const Dimension& dimension, const std::string& unit, const Place& place) {
   const bool counts = column.signal == LogSignal::counts;
@@ -88,7 +97,11 @@ void read_unit(LogColumn& column, const Dimension& dimension, const std::string&
   const auto read = parse_unit(unit, why);
   const std::string expected = counts ? "count" : unit_name(dimension);
   const std::string others = column.signal == LogSignal::effort ? ", A, or 1 for an arbitrary unit" : "";
-  if (!read) throw Error(place, column.header, why, "", "such as [" + expected + "]" + others);
+  const std::string meant = meant_unit(unit);
+  if (!read)
+    throw Error(place, column.header, why, "", meant.empty() ? "such as [" + expected + "]" + others : meant);
+  if (unit.starts_with('M') && !meant.empty())
+    throw Error(place, column.header, "a million of them", "'" + unit + "'", meant);
   if (read->dimension != dimension || (counts && read->in_si(1) != 1))
     throw Error(place, column.header, "the column has the wrong unit", "'" + unit + "'",
                 "use " + expected + (others.empty() ? " or a unit of that kind" : others));

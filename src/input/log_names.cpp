@@ -115,6 +115,7 @@ std::optional<ColumnName> in_brackets(const std::string& text) {
   const std::string inside(bare_cell(text.substr(open + 1, text.size() - open - 2)));
   const std::string unit = unit_in_words(inside);
   const std::string name(bare_cell(text.substr(0, open)));
+  if (inside == "-") return ColumnName{name, {}};  // none
   // In parentheses, or with a number in brackets (`position[0]`), it may be a part of the name.
   if (unit.empty() || (inside == "1" && text[open - 1] != ' ')) return std::nullopt;
   return ColumnName{name, unit};
@@ -159,10 +160,31 @@ std::string unit_in_words(std::string_view word) {
   return above.empty() || below.empty() ? "" : above + '/' + below;
 }
 
+namespace {
+
+/// `MS`, `GON`, `S` in brackets, where only a unit of time, angle or length can be meant; a turn is German
+/// `U`.
+std::string unit_in_capitals(const std::string& unit) {
+  if (unit == "U") return "rev";
+  const std::string lower = lower_case(unit);
+  std::string why;
+  const auto read = parse_unit(lower, why);
+  const bool alone = lower.size() == 1 && lower != "s";
+  return read && !alone &&
+                 (read->dimension == dimension::time || read->dimension == dimension::angle ||
+                  read->dimension == dimension::length)
+             ? lower
+             : "";
+}
+
+}  // namespace
+
 ColumnName measured_name(const std::string& cell) {
   const ColumnName exact = column_name(cell);
+  if (exact.unit == "-") return {exact.name, {}};  // none
   if (!exact.unit.empty()) {
-    const std::string unit = unit_in_words(exact.unit);
+    std::string unit = unit_in_words(exact.unit);
+    if (unit.empty()) unit = unit_in_capitals(exact.unit);
     // `q[1]` is the second of a list, `a1.effort [1]` an effort in an arbitrary unit.
     const bool digits =
         std::all_of(exact.unit.begin(), exact.unit.end(), [](char c) { return c >= '0' && c <= '9'; });

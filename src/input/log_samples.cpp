@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/statistics.hpp"
+#include "core/text.hpp"
 #include "input/bag_file.hpp"
 #include "input/log_columns.hpp"
 #include "input/read_sections.hpp"
@@ -45,13 +46,16 @@ double StampReader::operator()() {
     if (const auto seconds = clock_.seconds(std::string_view(plain).substr(0, size), unit_, written_))
       return *seconds;
   }
-  const NumberAndUnit cell = number_and_unit(text);
+  const NumberAndUnit cell = number_and_unit(text, '.');
   std::string why;
   const auto of_cell = parse_number(cell.number);
   if (const auto unit_of_cell = parse_unit(cell.unit, why);
       of_cell && unit_of_cell && unit_of_cell->dimension == dimension::time)
     return clock_.seconds(unit_of_cell->in_si(*of_cell));
   if (text.empty()) refuse("the cell is empty", "write a plain number, or leave the row out");
+  if (is_numeric(text, ','))
+    refuse("a decimal comma, beside decimal points in other rows or columns",
+           "write all numbers with one decimal mark");
   double number = 0;
   if (read_number(text.data(), number, written_) == text.data() + text.size())
     refuse("the number is too large", "");
@@ -281,6 +285,10 @@ class WideSamples : public LogSamples {
         stamps_ += (stamps_.empty() ? table_->file() + ": the time stamps are seconds" : std::string()) +
                    " and nanoseconds of '" + table_->header()[*nanoseconds_] + "'";
     }
+    if (const auto named = time_column(meanings); named && !time_)
+      stamps_ = table_->file() + ": '" + table_->header()[*named] + "' does not rise in the first " +
+                counted(sampled_stamps, "row") +
+                ": it is not read as the time; if it is, write more decimals";
     for (std::size_t i = 0; i < table_->header().size(); ++i)
       signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
     if (nanoseconds_) signals_[*nanoseconds_].text.clear();  // a part of the stamps, no signal

@@ -71,10 +71,14 @@ std::string placeholder(const Parameter& p) {
 /// The value in the unit of the row. @throws Error (input) for a unit of another kind
 double in_dimension(const Field& f, const Quantity& q, const Parameter& p, Dimension expected) {
   if (!q.dimension || *q.dimension == expected) return q.value;
+  // A filter does not know which coordinates it will pass.
+  const bool any_coordinate = p.coordinate && expected == dimension::none;
+  if (any_coordinate && (*q.dimension == dimension::angle || *q.dimension == dimension::length))
+    return q.value;
   if (p.angular && *q.dimension == dimension::angular_speed) return q.value / (2 * std::numbers::pi);
   const std::string or_angular = p.angular ? ", or an angular frequency in rad/s" : "";
   f.refuse("has the wrong kind of unit: this is " + name_of(*q.dimension),
-           unit_remedy(expected) + or_angular);
+           any_coordinate ? "give an angle or a length" : unit_remedy(expected) + or_angular);
 }
 
 /// "give a value of at least 1", "give a value above 0 and below 500 Hz", ...

@@ -255,7 +255,18 @@ std::optional<std::size_t> rank_of(const LogHeader& column, const std::string& j
   return name.ends_with('/' + joint + "/position") ? std::optional(std::size(names)) : std::nullopt;
 }
 
-std::size_t find_column(const LogTable& table, const std::string& joint) {
+/// Whether a column is neither of a joint, nor a signal of a log: perhaps of a joint by another name.
+bool is_stray(const LogHeader& column, const Chain& chain) {
+  const std::vector<std::string> joints = joint_names(chain);
+  return !column.text.empty() && column.meaning.signal != "time" &&
+         !contains(log_signal_names(chain), column.meaning.signal) &&
+         std::none_of(joints.begin(), joints.end(),
+                      [&](const auto& j) { return rank_of(column, j).has_value(); });
+}
+
+/// @param may_rest  whether a joint without a column is none, where no column is stray
+std::optional<std::size_t> find_column(const LogTable& table, const Chain& chain, const std::string& joint,
+                                       bool may_rest) {
   std::vector<std::string> names;
   std::vector<std::size_t> best;
   std::size_t best_rank = std::string::npos;
@@ -267,9 +278,13 @@ std::size_t find_column(const LogTable& table, const std::string& joint) {
     best_rank = *rank;
     best.push_back(i);
   }
+  const bool strays = std::any_of(table.header().begin(), table.header().end(),
+                                  [&](const LogHeader& column) { return is_stray(column, chain); });
+  if (best.empty() && may_rest && !strays) return std::nullopt;
   if (best.empty())
     throw Error(table.header()[0].place, joint, "the file has no column for this joint", "",
-                did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it");
+                did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it" +
+                    (may_rest ? "; without columns of other names it would rest at 0" : ""));
   if (best.size() > 1)
     throw Error(table.header()[best[1]].place, joint, "duplicate column", "", "keep one of them");
   return best.front();
@@ -345,10 +360,22 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
                   "add a column 'time [s]', or say which it is: log: {time: COLUMN}");
     columns.push_back(static_cast<std::size_t>(time - table.header().begin()));
   }
+  std::vector<std::optional<std::size_t>> places;  // of the joints in a row of the chosen columns
+  std::vector<std::string> resting;
   for (const IndependentJoint& joint : chain.independent) {
-    columns.push_back(find_column(table, joint.name));
-    units.push_back(column_unit(table.header()[columns.back()], joint.name, coordinate_dimension(joint)));
+    const auto column = find_column(table, chain, joint.name, has_time);
+    places.push_back(column ? std::optional(columns.size()) : std::nullopt);
+    units.push_back(column ? column_unit(table.header()[*column], joint.name, coordinate_dimension(joint))
+                           : Unit{1, 1, coordinate_dimension(joint)});
+    if (column)
+      columns.push_back(*column);
+    else
+      resting.push_back(joint.name);
   }
+  if (!resting.empty())
+    warnings.push_back(table.file() + ": no column of " + list_of_names(resting) +
+                       ": at rest at 0, like a joint that `motion.joints` does not list");
+  const std::size_t first_load = columns.size();
   const std::vector<LogColumn> loads =
       has_time ? load_columns(table, chain, columns) : std::vector<LogColumn>{};
   table.choose(columns, std::vector(columns.size(), Joining::held));
@@ -363,9 +390,10 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
                   shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
                   "sort the rows and keep one per instant");
     if (has_time) result.time.push_back(row[0]);
-    for (std::size_t i = 0; i < units.size(); ++i) positions.push_back(units[i].in_si(row[has_time + i]));
+    for (std::size_t i = 0; i < units.size(); ++i)
+      positions.push_back(places[i] ? units[i].in_si(row[*places[i]]) : 0);
     for (std::size_t i = 0; i < loads.size(); ++i)
-      load_values.push_back(loads[i].scale.in_si(row[has_time + units.size() + i]));
+      load_values.push_back(loads[i].scale.in_si(row[first_load + i]));
     result.lines.push_back(table.last_line().line);
   }
   for (std::string& warning : table.warnings()) warnings.push_back(std::move(warning));

@@ -8,6 +8,7 @@
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/object_reader.hpp"
+#include "input/table_format.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/encoder/encoder.hpp"
 
@@ -176,6 +177,17 @@ void compare_with_patterns(const JointEntry& entry, std::vector<std::string>& wa
   if (!entry.own.node) return;
   for (const Field& pattern : entry.patterns)
     if (pattern.node->type == Node::Type::mapping) compare(entry.own, pattern, warnings);
+}
+
+/// Asks about counts of `4.096`, which elsewhere are thousands.
+void warn_of_thousands(const Field& entry, std::vector<std::string>& warnings) {
+  for (const Parameter& row : encoder_kind_of(entry).parameters) {
+    const Node* const node = row.coordinate ? nullptr : entry.node->find(row.name);
+    const auto value = node ? parse_number(node->text) : std::nullopt;
+    if (value && *value != std::floor(*value) && may_be_thousands(node->text))
+      add_once(warnings, entry.path_of(row.name) + ": " + node->text +
+                             " has a decimal point; if it is one of thousands, leave it out");
+  }
 }
 
 /// A gear ratio between 0 and 1 makes the encoder coarser at the joint: usually it is inverted.
@@ -372,6 +384,7 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
           entry, joint, holds_for_prismatic(entries, chain, entry) || repeats_travel(entries[i]));
       compare_with_patterns(entries[i], spec.warnings);
       warn_of_gear(entry, spec.warnings);
+      warn_of_thousands(entry, spec.warnings);
       if (!joint.prismatic())
         warn_of_accuracy(entry, transmission.encoders[i].accuracy, spec.encoder_figures[i].gear_ratio,
                          spec.warnings);

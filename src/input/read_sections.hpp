@@ -106,7 +106,8 @@ struct JointTable {
 /// Whether a table must have a `time` column that increases.
 enum class TimeColumn { none, required };
 
-/// Columns that are not joints of the chain are ignored with a warning.
+/// Columns that are not joints of the chain are ignored with a warning. With a time, a joint without a column
+/// rests at 0, as in `motion.joints`, and a warning says so, unless there are columns of other names.
 /// @throws Error (input) with the place of a missing or duplicate column, a wrong unit, or time that does not
 /// increase
 JointTable read_joint_table(const std::string& path, const Spec&, TimeColumn,

@@ -58,6 +58,8 @@ const std::vector<Parameter> robot{
     key::objects("dh", "in place of a URDF: a table of Denavit and Hartenberg, a row a link"),
     key::choice("convention", "standard|modified",
                 "of dh: R_z(theta) T_z(d) T_x(a) R_x(alpha), or R_x(alpha) T_x(a) R_z(theta) T_z(d) (Craig)"),
+    key::text("name",
+              "of the robot in reports; default: that of the URDF, of its one joint, or of this file"),
     key::text("base", "base link; default: the root"),
     key::text("tip", "tip link; optional if the tree has one leaf"),
     key::map("tips",

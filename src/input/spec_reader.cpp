@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 #include "core/lists.hpp"
@@ -18,13 +19,24 @@ namespace qerr {
 namespace {
 
 /// A longer link suggests a URDF in millimetres: no robot has a link of 20 m, and few have one below 20 mm.
-constexpr double longest_link = 20;  // [m]
+/// Likewise a slide, of which the longest gantries have 100 m, and limits of many turns degrees.
+constexpr double longest_link = 20, longest_slide = 100;  // [m]
+constexpr double most_turned = 4 * 2 * std::numbers::pi;  // [rad], as of angles in a spec
+constexpr double unlimited = 1e5;                         // what exporters write beyond means no limit
 
 void warn_about_units(const Chain& chain, std::vector<std::string>& warnings) {
   double longest = chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) longest = std::max(longest, joint.origin.translation().norm());
   if (longest > longest_link)
     warnings.push_back("a link is " + shortest(longest) + " m long: is the robot given in millimetres?");
+  for (const IndependentJoint& joint : chain.independent) {
+    if (!joint.limits || joint.type == JointType::continuous) continue;
+    const double most = std::max(std::abs(joint.limits->lower), std::abs(joint.limits->upper));
+    if (most > (joint.prismatic() ? longest_slide : most_turned) && most < unlimited)
+      warnings.push_back(
+          "joint '" + joint.name + "' has limits of " + text_of(*joint.limits, joint) +
+          (joint.prismatic() ? ": are these millimetres?" : ": are these degrees? They are read in rad"));
+  }
 }
 
 void check_version(const Object& top) {
@@ -340,7 +352,7 @@ void SpecReader::read_chain(const Field& f) {
         name_input(file, "URDF");
       });
     }
-    spec_.robot_name = robot_->name;
+    spec_.robot_name = o.text("name").value_or(robot_->name);
     try {
       if (o.has("tips")) {
         read_tips(o);

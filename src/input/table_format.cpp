@@ -30,7 +30,7 @@ std::vector<SampleLine> lines_of(std::string_view head) {
   int number = 1;
   for (std::size_t at = 0; at < head.size() && lines.size() < most_sampled;) {
     const bool comment = head[at] == '#';
-    const RecordEnd record = find_record_end(head.substr(at), ",;\t");
+    const RecordEnd record = find_record_end(head.substr(at), ",;\t|");
     const bool by_line = comment || record.open != std::string_view::npos;
     const std::size_t end =
         by_line ? std::min(head.find('\n', at), head.size()) : std::min(record.at, head.size() - at) + at;
@@ -53,7 +53,7 @@ std::vector<std::string_view> cells_by(std::string_view line, char separator) {
     std::size_t end = at;
     if (end < line.size() && line[end] == '"') end = std::min(line.find('"', at + 1), line.size() - 1) + 1;
     while (end < line.size() && !separates(line[end])) ++end;
-    cells.push_back(bare_cell(line.substr(at, end - at)));
+    cells.push_back(without_text_mark(bare_cell(line.substr(at, end - at))));
     if (end >= line.size()) return cells;
     at = end;
   }
@@ -84,12 +84,14 @@ struct LineCells {
   bool is_data() const { return numbers > 0; }
 };
 
-LineCells counted_cells(std::string_view line, char separator, char decimal) {
+/// @param with_units  whether `12.5 deg` is a number
+LineCells counted_cells(std::string_view line, char separator, char decimal, bool with_units) {
   LineCells c;
   for (const std::string_view cell : cells_by(line, separator)) {
     ++c.cells;
     if (cell.empty()) continue;
-    const bool number = is_numeric(cell, decimal) || is_stamp(cell) || has_thousands(cell, decimal);
+    const bool number = is_numeric(cell, decimal) || is_stamp(cell) || has_thousands(cell, decimal) ||
+                        (with_units && !number_and_unit(cell, decimal).unit.empty());
     ++(number ? c.numbers : c.texts);
   }
   return c;
@@ -103,7 +105,7 @@ struct Separation {
 };
 
 /// Numbers minus texts in the lines of the most frequent width.
-void rate(Separation& c, const std::vector<SampleLine>& lines) {
+void rate(Separation& c, const std::vector<SampleLine>& lines, bool with_units) {
   struct Width {
     std::size_t rows = 0;
     std::int64_t score = 0;
@@ -111,7 +113,7 @@ void rate(Separation& c, const std::vector<SampleLine>& lines) {
   std::map<std::size_t, Width> widths;
   for (const SampleLine& line : lines) {
     if (line.comment) continue;
-    const LineCells cells = counted_cells(line.text, c.separator, c.decimal);
+    const LineCells cells = counted_cells(line.text, c.separator, c.decimal, with_units);
     if (!cells.is_data()) continue;
     Width& w = widths[cells.cells];
     ++w.rows;
@@ -167,9 +169,10 @@ void find_keyed_header(TableFormat& f, const std::vector<SampleLine>& lines, std
 }
 
 /// Finds the header among the lines, by the rows that follow it.
-void find_header(TableFormat& f, const std::vector<SampleLine>& lines) {
+void find_header(TableFormat& f, const std::vector<SampleLine>& lines, bool with_units) {
   std::vector<LineCells> cells;
-  for (const SampleLine& line : lines) cells.push_back(counted_cells(line.text, f.separator, f.decimal));
+  for (const SampleLine& line : lines)
+    cells.push_back(counted_cells(line.text, f.separator, f.decimal, with_units));
   const auto is_row = [&](std::size_t i) {
     return i < lines.size() && !lines[i].comment && cells[i].is_data();
   };
@@ -302,9 +305,29 @@ std::string_view bare_cell(std::string_view cell) {
   return cell;
 }
 
-NumberAndUnit number_and_unit(std::string_view cell) {
-  const std::size_t end = cell.find_last_of("0123456789.") + 1;
-  if (end == 0 || !is_numeric(cell.substr(0, end), '.')) return {};
+std::string_view without_text_mark(std::string_view cell) {
+  constexpr std::string_view of_numbers = "0123456789+-.,";
+  const bool marked =
+      cell.size() > 1 && cell[0] == '\'' && of_numbers.find(cell[1]) != std::string_view::npos;
+  return marked && (is_numeric(cell.substr(1), '.') || is_numeric(cell.substr(1), ',')) ? cell.substr(1)
+                                                                                        : cell;
+}
+
+bool has_decimal_commas(const std::vector<std::string>& cells) {
+  bool commas = false;
+  for (const std::string& cell : cells) {
+    if (cell.find('.') != std::string::npos) return false;
+    if (cell.find(',') == std::string::npos || !is_numeric(cell, ',')) continue;
+    std::string pointed = cell;
+    std::replace(pointed.begin(), pointed.end(), ',', '.');
+    commas = commas || !may_be_thousands(pointed);
+  }
+  return commas;
+}
+
+NumberAndUnit number_and_unit(std::string_view cell, char decimal) {
+  const std::size_t end = cell.find_last_of("0123456789") + 1;
+  if (end == 0 || !is_numeric(cell.substr(0, end), decimal)) return {};
   std::string unit = unit_in_words(trimmed(cell.substr(end)));
   return unit.empty() ? NumberAndUnit{} : NumberAndUnit{cell.substr(0, end), std::move(unit)};
 }
@@ -398,13 +421,23 @@ void make_plain_number(std::string& cell) {
 TableFormat recognize_table(std::string_view head) {
   TableFormat f;
   const std::vector<SampleLine> lines = lines_of(head);
-  std::array<Separation, 8> candidates{Separation{',', '.'}, {';', '.'}, {';', ','}, {'\t', '.'},
-                                       {'\t', ','},          {' ', '.'}, {' ', ','}, {',', ','}};
-  for (Separation& c : candidates) rate(c, lines);
-  if (!has_quoted_commas(lines)) candidates.back().score = 0;
-  const Separation* best = candidates.data();
-  for (const Separation& c : candidates)
-    if (c.score > std::max<std::int64_t>(best->score, 0)) best = &c;
+  std::array<Separation, 10> candidates{Separation{',', '.'}, {';', '.'},  {';', ','},  {'|', '.'},
+                                        {'|', ','},           {'\t', '.'}, {'\t', ','}, {' ', '.'},
+                                        {' ', ','},           {',', ','}};
+  const auto best_with = [&](bool units) {
+    for (Separation& c : candidates) rate(c, lines, units);
+    if (!has_quoted_commas(lines)) candidates.back().score = 0;
+    const Separation* best = candidates.data();
+    for (const Separation& c : candidates)
+      if (c.score > std::max<std::int64_t>(best->score, 0)) best = &c;
+    return best;
+  };
+  const Separation* best = best_with(false);
+  bool with_units = false;  // where nothing else is a table: cells of a preamble have units, too
+  if (best->score <= 0) {
+    with_units = best_with(true)->score > 0;
+    best = best_with(with_units);
+  }
   f.separator = best->separator;
   f.decimal = best->decimal;
   f.cells = best->cells;
@@ -420,7 +453,7 @@ TableFormat recognize_table(std::string_view head) {
   f.decimal_unknown = f.separator != ',' && !shows_decimals(f, lines);
   f.maybe_thousands = f.decimal == ',' && all_like_thousands(f, lines);
   f.points_group = f.decimal == ',' && has_grouping_points(f, lines);
-  find_header(f, lines);
+  find_header(f, lines, with_units);
   return f;
 }
 

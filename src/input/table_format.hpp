@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "qerr/core/error.hpp"
 
@@ -47,12 +48,15 @@ RecordEnd find_record_end(std::string_view text, std::string_view separators);
 /// A cell without the blanks and quotation marks around it.
 std::string_view bare_cell(std::string_view cell);
 
+/// A cell without the apostrophe by which spreadsheets mark a number as text: `'12`.
+std::string_view without_text_mark(std::string_view cell);
+
 /// A cell `12.5 deg` or `12.5deg`: its number, and the unit in qerr's words; both empty for any other text.
 struct NumberAndUnit {
   std::string_view number;
   std::string unit;
 };
-NumberAndUnit number_and_unit(std::string_view cell);
+NumberAndUnit number_and_unit(std::string_view cell, char decimal);
 
 /// Whether a cell of a header can be the unit of the name before it, from which a comma separates it.
 bool is_unit_behind_comma(std::string_view cell);
@@ -80,5 +84,9 @@ bool make_decimal_notation(std::string& cell);
 
 /// Either of the first two, where there is something to change.
 void make_plain_number(std::string& cell);
+
+/// Whether these cells of a column have decimal commas, in a table of decimal points: a comma that cannot be
+/// one of thousands, and no point.
+bool has_decimal_commas(const std::vector<std::string>& cells);
 
 }  // namespace qerr

@@ -328,6 +328,7 @@ constexpr std::array binary_formats{
     BinaryFormat{"\x93NUMPY",
                  "this is an array of NumPy: export it as CSV, with numpy.savetxt('log.csv', "
                  "numpy.load('log.npy'), delimiter=',', header='time,...', comments='')"},
+    BinaryFormat{"[{", "this is a list of JSON: write an object a line, with jq -c '.[]' log.json"},
     BinaryFormat{"ULog\x01\x12\x35", "this is a log of PX4: ulog2csv of pyulog makes CSV files"},
     BinaryFormat{"TDSm", "this is a TDMS file of LabVIEW: export it as CSV, as with Python's nptdms"},
     BinaryFormat{"MDF     ", "this is a measurement file (MDF): export it as CSV, as with Python's asammdf"},

@@ -10,7 +10,7 @@ their response. Stable loops are then simulated with the quantizer in the loop a
 Walls: the formulas.
 
 --loops: single joints, whose bounds are those that the program states, with the quantizer in the loop from many starts and
-offsets at once; --effects: with an effect that changes them, read and driven at parts of a sample; --unstable: loops above their critical gain by a millionth or more, and loops without damping; --walls:
+offsets at once; --effects: with an effect that changes them, read and driven at parts of a sample; --slow: accuracies and eccentricities at constant speeds, by the responses' values at their frequencies; --unstable: loops above their critical gain by a millionth or more, and loops without damping; --walls:
 energy of random hand motions at 0.99 of the program's limit, and of the two critical motions of one axis at 1.3 of it.
 """
 import argparse
@@ -451,6 +451,48 @@ def check_loops(t, qerr, folder, count, seed):
             done == count and beyond_half >= 0.3 * count)
 
 
+def check_slow(t, qerr, folder, count, seed):
+    """Sigma in loops of stated inertia, at constant speeds: of an accuracy and of an eccentricity |H| at the shaft's frequency."""
+    worst, done, accuracy = {"accuracy": Worst(1e-4), "eccentricity": Worst(0.02)}, 0, 3e-4
+    for i in range(100 * count):
+        rng = random.Random(f"slow {seed} {i}")
+        case = Case(rng)
+        for joint in case.joints:
+            joint["inertia"] = joint["inertia"] or rng.uniform(0.05, 2)
+        responses = [Loop(case, j, case.joints[j]["inertia"]).response() for j in range(2)]
+        if any(r is None or len(r[0]) > case.rate for r in responses):
+            continue
+        speeds = np.array([rng.uniform(3, 30), rng.uniform(-30, -3)])
+        shafts = np.linalg.inv(case.coupling) @ speeds / case.rate
+        turns = 40 * 2 * math.pi / abs(speeds[1])  # whole ones of the second joint
+        (folder / "arm.urdf").write_text(URDF.format(**case.arm).replace('type="revolute"', 'type="continuous"'))
+        plain = case.spec() + (f"motion: {{sample_rate: {case.rate}, duration: {10 + turns!r}, settling: 10, joints: "
+                               f"{{a1: {{velocity: {speeds[0]!r}}}, a2: {{velocity: {speeds[1]!r}}}}}}}\n")
+        slow = {"accuracy": plain.replace("}, a2: {bits", f", accuracy: {accuracy}}}, a2: {{bits").replace("}}\ncoupling", f", accuracy: {accuracy}}}}}\ncoupling"),
+                "eccentricity": plain + f"effects: [{{type: eccentricity, joint: a2, amplitude: {accuracy}}}]\n"}
+        for kind, spec in slow.items():
+            (folder / "spec.yaml").write_text(spec)
+            ran = run(qerr, "analyze", folder / "spec.yaml", "--format", "json")
+            if not t.check(f"slow errors {i} run", ran.code == 0, ran.err.decode()[:300]):
+                continue
+            for row in json.loads(ran.out)["position"]:
+                if row.get("signal") not in ("closed_position", "closed_torque") or row["coordinate"] not in ("a1", "a2"):
+                    continue
+                j, part = int(row["coordinate"][1]) - 1, row["signal"] == "closed_torque"
+                h = responses[j][part]
+                passed = [abs(h @ np.exp(-1j * w * np.arange(len(h)))) for w in shafts]
+                if kind == "eccentricity":
+                    passed = [0, passed[1] * (j == 1 or case.coupling[0, 1] != 0)]
+                of_counts = h2(h) ** 2 * (case.coupling[j] ** 2 @ case.delta() ** 2) / 12
+                of_slow = sum((case.coupling[j, e] * accuracy * passed[e]) ** 2 / 2 for e in range(2))
+                worst[kind].add(f"slow {i} {row['signal']} a{j + 1}", row["sigma"]["max"], math.sqrt(of_counts + of_slow))
+        done += 1
+        if done == count:
+            break
+    for kind, w in worst.items():
+        t.check(f"sigma of {kind} in {done} pairs of loops", done == count and w.holds(), w.detail())
+
+
 class Reading:
     """What an effect makes of the motion, by its definition; of many runs side by side."""
 
@@ -653,6 +695,7 @@ def main():
     parser.add_argument("--loops", type=int, default=8)
     parser.add_argument("--inertias", type=int, default=0, help="of so many cases search the least margins between inertias, too")
     parser.add_argument("--effects", type=int, default=4)
+    parser.add_argument("--slow", type=int, default=3)
     parser.add_argument("--unstable", type=int, default=6)
     parser.add_argument("--walls", type=int, default=6)
     parser.add_argument("--seed", type=int, default=1)
@@ -671,7 +714,7 @@ def main():
             if tally.check(f"case {i} runs", done.code == 0, done.err.decode()[:500]):
                 check_case(case, json.loads(done.out), worst, reached, tally, rng, f"case {i}", i < arguments.inertias)
         qerr = pathlib.Path(arguments.qerr).resolve()
-        for check, count in ((check_loops, arguments.loops), (check_effects, arguments.effects), (check_unstable, arguments.unstable), (check_walls, arguments.walls)):
+        for check, count in ((check_loops, arguments.loops), (check_effects, arguments.effects), (check_slow, arguments.slow), (check_unstable, arguments.unstable), (check_walls, arguments.walls)):
             if count:
                 check(tally, qerr, pathlib.Path(folder), count, arguments.seed)
     for name, w in worst.items() if arguments.count else ():

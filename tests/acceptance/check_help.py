@@ -54,7 +54,7 @@ def check_pages(t, qerr):
 
 
 KEYWORDS = {  # words that people search for; a page that must be among those found, and a word of its excerpt
-    "dh": ("glossary", "DH"), "csv": ("output", "CSV"), "pandas": ("output", "pandas"), "noise": ("filters", "noise"),
+    "dh table": ("glossary", "DH"), "csv": ("output", "CSV"), "pandas": ("output", "pandas"), "noise": ("filters", "noise"),
     "repeatability": ("glossary", "ISO 9283"), "TCP": ("glossary", "tool centre point"), "ENCODER": ("encoders", "encoder"),
     "ros": ("urdf", "ROS_PACKAGE_PATH"), "iso 9283": ("glossary", "RP"), "pre-commit": ("ci", "pre-commit"),
 }

@@ -197,6 +197,9 @@ def check_comparison(t, qerr, folder):
     t.check("check of a coarser encoder against the baseline: 1", ran.code == 1 and worse and all(r["change"] > 0.02 for r in worse), str(worse))
     coarse = folder / "coarse.json"
     run(qerr, "check", own, *coarser, "--format", "json", "-o", coarse)
+    for tolerance, said in (("2", True), ("2%", False)):
+        ran = run(qerr, "check", own, "--baseline", old, "--tolerance", tolerance)
+        t.check(f"a tolerance of {tolerance}: {'asked about' if said else 'taken'}", ran.code == 0 and (b"2 % is 0.02" in ran.err) == said, ran.err.decode()[:300])
     ran = run(qerr, "check", own, "--baseline", coarse)
     t.check("a baseline of another --set: said", ran.code == 0 and b"--set 'encoders.*.counts_per_rev=1000'" in ran.err and
             b"different specs" in ran.err, ran.err.decode()[:300])

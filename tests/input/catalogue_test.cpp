@@ -73,6 +73,12 @@ TEST_F(CatalogueFile, MayBeSeparatedBySemicolonsAndHaveDecimalCommas) {
   EXPECT_NE(refusal("name;price;bits\na;1.234,50;12\n").find("must be a number"), std::string::npos);
 }
 
+TEST_F(CatalogueFile, EmptyRowsAtTheEndAreNone) {
+  EXPECT_EQ(read("name,price,bits\nA,1,14\nB,2,15\n,,\n,,\n").rows.size(), 2u);
+  EXPECT_EQ(read("name;price;bits\nA;1,5;14\n;;\r\n;;").rows.size(), 1u);
+  EXPECT_NE(refusal("name,price,bits\nA,1,14\n,,\nB,2,15\n").find("the row has no name"), std::string::npos);
+}
+
 TEST_F(CatalogueFile, AnEmptyPriceIsNoPrice) {
   EXPECT_FALSE(read("name,price,bits\na,,12\n").rows[0].price.has_value());
   EXPECT_FALSE(read("name,bits\na,12\n").rows[0].price.has_value());

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/lists.hpp"
 #include "input/log_names.hpp"
 #include "support/log_file.hpp"
 
@@ -390,6 +391,72 @@ TEST_F(LogFormats, DecimalCommasBehindTheSampleAreRead) {
   const Log log = read(text + "9000,5;7;0,25\n9001,5;7;0,5\n");
   EXPECT_EQ(values(log, LogSignal::time)[9001], 9001.5);
   EXPECT_EQ(values(log, LogSignal::reference)[9000], 0.25);
+}
+
+std::vector<double> list(const Log& log, LogSignal signal) {
+  const Eigen::ArrayXd all = log.values.col(log.find(signal, 0).value());
+  return {all.begin(), all.end()};
+}
+
+TEST_F(LogFormats, EmptyRowsAtTheEndAreNone) {
+  const std::string head = "time [s];shoulder.counts;shoulder.reference [deg];;\n";
+  std::string empty;
+  for (int i = 0; i < 70000; ++i) empty += ";;;;\r\n";  // longer than a block
+  for (const std::string& end : {std::string(";;;;"), empty, std::string("\"\"; ;;;\n\n;;;;\n")}) {
+    const Log log = read(head + "0,0;1;1,5;;\n0,1;2;2,5;;\n" + end);
+    EXPECT_EQ(list(log, LogSignal::counts), (std::vector<double>{1, 2}));
+    EXPECT_NE(qerr::joined(log.warnings, "\n").find("at the end"), std::string::npos);
+  }
+  EXPECT_NE(refusal(head + "0,0;1;1,5;;\n;;;;\n0,1;2;2,5;;\n").find("the cell is empty"), std::string::npos);
+  EXPECT_EQ(qerr::joined(read("time [s],shoulder.counts\n0,1\n1,2\n\n\n").warnings, "\n").find("at the end"),
+            std::string::npos);
+}
+
+TEST_F(LogFormats, CellsMayHaveTextMarksAndUnits) {
+  const Log marked = read("time [s];shoulder.counts;shoulder.reference [rad]\n0,00;'1;'-1,5\n0,01;'2;0,25\n");
+  EXPECT_EQ(list(marked, LogSignal::counts), (std::vector<double>{1, 2}));
+  const Log with_units =
+      read("time;shoulder.counts;shoulder.reference\n0,0 ms;1;0,0 deg\n10,0 ms;2;180 deg\n");
+  EXPECT_EQ(values(with_units, LogSignal::time)[1], 0.01);
+  EXPECT_NEAR(values(with_units, LogSignal::reference)[1] - values(with_units, LogSignal::reference)[0],
+              std::acos(-1.0), 1e-15);
+  // Neither the unit of the header, nor that of the other rows.
+  for (const std::string rows :
+       {"shoulder.reference [rad]\n0;1;0 deg\n1;2;180 deg\n", "shoulder.reference\n0;1;0 deg\n1;2;3 mrad\n"})
+    EXPECT_NE(refusal("time;shoulder.counts;" + rows).find("write the unit in the header"),
+              std::string::npos);
+}
+
+TEST_F(LogFormats, PipesSeparateAndCommasEndNamesAboveBlanks) {
+  const Log piped = read("time [s]|shoulder.counts [-]|shoulder.reference (rad)\n0|1|0.5\n0.1|2|0.25\n");
+  EXPECT_EQ(list(piped, LogSignal::counts), (std::vector<double>{1, 2}));
+  const Log blanks = read("% time, shoulder.counts, shoulder.reference\n 0 1 0.5\n 0.1 2 0.25\n");
+  EXPECT_EQ(list(blanks, LogSignal::counts), (std::vector<double>{1, 2}));
+  EXPECT_NE(refusal("[{\"time\": 0, \"shoulder.counts\": 1}]\n").find("jq -c"), std::string::npos);
+}
+
+TEST_F(LogFormats, AColumnMayHaveDecimalCommasBesidePoints) {
+  const std::string head = "time [s];shoulder.counts;shoulder.reference [rad]\n";
+  const Log log = read(head + "0,000;1;0.5\n0,010;2;0.25\n1,020;3;0.125\n");
+  EXPECT_EQ(list(log, LogSignal::time), (std::vector<double>{0, 0.01, 1.02}));
+  EXPECT_EQ(values(log, LogSignal::reference)[1], 0.25);
+  EXPECT_NE(refusal(head + "0;1;0.5\n0.1;2;0,25\n").find("one decimal mark"), std::string::npos);
+  EXPECT_NE(refusal(head + "0.1;1;0.5\n0,2;2;0.25\n").find("one decimal mark"), std::string::npos);
+}
+
+TEST_F(LogFormats, CapitalUnitsAreReadWhereOneIsMeant) {
+  const auto second = [&](const std::string& time, const std::string& angle) {
+    const Log log =
+        read("time [" + time + "],shoulder.counts,shoulder.reference [" + angle + "]\n0,0,0\n1,1,0.25\n");
+    return std::pair(values(log, LogSignal::time)[1], values(log, LogSignal::reference)[1]);
+  };
+  constexpr double turn = 6.283185307179586;
+  EXPECT_EQ(second("MS", "U"), std::pair(1e-3, turn / 4));
+  EXPECT_NEAR(second("S", "GON").second, turn / 1600, 1e-15);
+  EXPECT_EQ(second("Sek.", "RAD"), std::pair(1.0, 0.25));
+  EXPECT_NE(refusal("time [Ms],shoulder.counts\n0,0\n1,1\n").find("did you mean [ms]?"), std::string::npos);
+  EXPECT_NE(refusal("time,shoulder.counts,shoulder.reference [grad]\n0,0,0\n1,1,1\n").find("[gon]"),
+            std::string::npos);
 }
 
 TEST_F(LogFormats, AMissingHeaderIsNumbered) {

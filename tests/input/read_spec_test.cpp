@@ -486,6 +486,39 @@ TEST_F(ReadSpec, AFileOfPointsMayHaveColumnsOfText) {
             std::string::npos);
 }
 
+TEST_F(ReadSpec, NoiseOfACoordinateMayBeAnAngleOrALength) {
+  const auto with_noise = [&](const std::string& noise) {
+    return spec_head + encoders +
+           "filters: {k: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: kalman, process_noise: 10, "
+           "measurement_noise: " +
+           noise + "}}}\n";
+  };
+  const double gain = read(with_noise("5e-4")).filters[0].norms.h2;
+  EXPECT_EQ(read(with_noise("0.5 mrad")).filters[0].norms.h2, gain);
+  EXPECT_EQ(read(with_noise("0.5 mm")).filters[0].norms.h2, gain);
+  EXPECT_NE(refusal(with_noise("0.5 kg")).find("give an angle or a length"), std::string::npos);
+}
+
+TEST_F(ReadSpec, AsksAboutNumbersInOtherUnits) {
+  const auto warns = [&](const std::string& text, const std::string& of) {
+    const std::vector<std::string> all = read(text).warnings;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const auto& w) { return w.find(of) != std::string::npos; });
+  };
+  EXPECT_TRUE(warns(spec_head + "encoders: {'*': {counts_per_rev: 4.096}, lift: {resolution: 1.125 um}}\n",
+                    "encoders.*.counts_per_rev: 4.096 has a decimal point"));
+  EXPECT_FALSE(warns(spec_head + encoders, "decimal point") || warns(spec_head + encoders, "are these"));
+  std::string in_degrees = arm;
+  in_degrees.replace(in_degrees.find("upper=\"2\""), 9, "upper=\"90\"");
+  std::ofstream(folder_ / "arm.urdf") << in_degrees;
+  EXPECT_TRUE(warns(spec_head + encoders, "joint 'shoulder' has limits of [-2, 90] rad: are these degrees?"));
+}
+
+TEST_F(ReadSpec, ARobotMayHaveANameOfItsOwn) {
+  EXPECT_EQ(read("qerr: 1\nrobot: {urdf: arm.urdf, tip: finger, name: cell 4}\n" + encoders).robot_name,
+            "cell 4");
+}
+
 TEST_F(ReadSpec, ReadsTheSectionsOfLaterCommands) {
   const Spec spec = read(
       spec_head + encoders +

@@ -160,6 +160,7 @@ TEST(Threshold, IsRefusedWhereNothingMovesTheTip) {
   EXPECT_THROW(row(""), Error);
   // The arm's components along x and y reach the radius at few of 10 configurations.
   EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-2 * 5e-6);
+  EXPECT_EQ(row(", radius: 80 mm").filter, "torque") << "whose sample rate it is";
 }
 
 TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {

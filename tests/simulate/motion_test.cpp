@@ -179,6 +179,17 @@ TEST_F(MotionSpec, AFileGivesItsRateAndDuration) {
   EXPECT_NEAR(spec.motion->table.positions(2, 1), 2e-3, 1e-15);  // lift is the third joint of the chain
 }
 
+TEST_F(MotionSpec, AJointWithoutAColumnRestsUnlessItMayHaveAnotherName) {
+  ASSERT_EQ(message("{file: motion.csv}", "time,elbow [deg],elbow.effort\n0,1,0\n0.01,2,0\n"), "accepted");
+  const auto elbow = static_cast<Eigen::Index>(independent_index(spec.model.chain, "elbow"));
+  EXPECT_NEAR(spec.motion->table.positions(elbow, 1), std::numbers::pi / 90, 1e-15);
+  EXPECT_NEAR(spec.motion->table.positions.col(1).cwiseAbs().sum(), std::numbers::pi / 90, 1e-15);
+  EXPECT_TRUE(std::any_of(spec.warnings.begin(), spec.warnings.end(),
+                          [](const std::string& w) { return w.find("at rest at 0") != std::string::npos; }));
+  EXPECT_NE(message("{file: motion.csv}", "time,elbow,shulder\n0,0,0\n0.01,0,0\n").find("would rest at 0"),
+            std::string::npos);
+}
+
 TEST_F(MotionSpec, AFileIsWhateverALogCanBe) {
   const std::string table =
       "Bench 4;;;;;\nZeit in ms;shoulder.reference (deg);shoulder.measured;Hub [mm];elbow;wrist\n"

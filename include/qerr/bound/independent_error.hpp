@@ -40,7 +40,9 @@ struct IndependentError {
       Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before `link`
   double mean = 0, half_width = 0,
          sigma = 0;  ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
-  /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.
+  /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white. Behind them, of
+  /// an error that is not white and a model with `control`, two of each joint: sigma of the true motion and
+  /// of the torque in its closed loop over sigma.
   std::vector<double> sigma_ratios = {};
   /// Its error depends on the counts of its encoder: along a motion it is part of noise_in_motion.
   bool in_counts = false;

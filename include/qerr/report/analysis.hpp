@@ -168,7 +168,8 @@ struct ThresholdRow {
   double gear_ratio = 1;
   double coupling = 1;               ///< |C_ji|, a factor of both resolutions
   double length = 0;                 ///< [m]
-  double sample_rate = 0;            ///< [Hz]
+  double sample_rate = 0;            ///< [Hz], that of `filter`
+  std::string filter = {};           ///< the first one of the spec that takes a derivative
   double resolution = 0;             ///< [m]
   double resolution_as_printed = 0;  ///< [m]
 

@@ -38,7 +38,7 @@ SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& ro
       if (weight == 0) continue;
       joints.push_back(static_cast<std::size_t>(j));
       weights.push_back(weight);
-      const LoopNorms& of_joint = loops.norms(joints.back());
+      const LoopNorms of_joint = loops.norms(joints.back());
       const ResponseNorms& own = torque ? of_joint.torque : of_joint.motion;
       stable = stable && of_joint.stable();
       sum.l1 += std::abs(weight) * own.l1;
@@ -46,7 +46,7 @@ SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& ro
       sum.dc += weight * own.dc;
     }
     // Of several loops the responses themselves are added, if the recursion has them all.
-    if (joints.size() > 1 && stable) {
+    if (joints.size() > 1 && stable && !loops.slow) {
       std::vector<const std::vector<double>*> responses;
       for (const std::size_t j : joints) {
         const LoopResponse& response = loops.response(j);

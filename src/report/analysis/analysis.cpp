@@ -130,6 +130,8 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         "pitch: a sample is at the gimbal lock (pitch = +-90 deg), where pitch has no rate, and its figures "
         "no bound; use rx ry rz");
   append(warnings, warnings_of_scope(spec, effects));
+  if (std::string assumed = closed_loop_assumption(spec, effects); !assumed.empty())
+    warnings.push_back(std::move(assumed));
   if (!spec.filters.empty()) append(warnings, warnings_of_derivatives(spec, noise, w, effects));
   append(warnings, filter_warnings(spec));
   append(warnings, count_rate_warnings(spec));
@@ -143,6 +145,11 @@ void add_effects(const EffectReport& effects, Spec& spec) {
   OperationalModel& model = spec.model;
   model.sources = effects.sources;
   model.along_motion = effects.along_motion;
+  if (!effects.in_loops.empty()) {
+    auto control = std::make_shared<Control>(*model.control);
+    control->along_motion = effects.in_loops;
+    model.control = std::move(control);
+  }
   const Eigen::VectorXd factors = count_factors(spec);
   for (Eigen::Index i = 0; i < factors.size(); ++i)
     model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
@@ -159,8 +166,8 @@ Workspace workspace_with_quantization(const OperationalModel& model, const std::
   for (IndependentError& source : more.sources) {
     if (source.sigma_ratios.empty())
       for (const Norms& n : filters) source.sigma_ratios.push_back(n.h2);
-    source.sigma_ratios.resize(filters.size(), 0);
-    source.sigma_ratios.push_back(0);
+    source.sigma_ratios.resize(std::max(source.sigma_ratios.size(), filters.size()), 0);
+    source.sigma_ratios.insert(source.sigma_ratios.begin() + std::ssize(filters), 0);
   }
   if (more.along_motion) {
     more.along_motion->filtered.push_back(more.along_motion->tip);

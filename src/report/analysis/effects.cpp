@@ -5,6 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "control/control.hpp"
+#include "control/loop.hpp"
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "effect/effects/effects.hpp"
 #include "effect/reading.hpp"
@@ -124,6 +127,25 @@ Eigen::VectorXd count_factors(const Spec& spec) {
 
 namespace {
 
+bool has_closed_signals(const Spec& spec) {
+  return std::any_of(spec.model.signals.begin(), spec.model.signals.end(),
+                     [](const Signal& s) { return is_closed(s); });
+}
+
+/// [joint]: its loop at the inertia that the spec states; empty: none is stated, or the loop is unstable.
+std::vector<std::optional<ClosedLoop>> stated_loops(const Spec& spec) {
+  std::vector<std::optional<ClosedLoop>> loops;
+  for (std::size_t j = 0; spec.model.control && j < spec.model.control->joints.size(); ++j) {
+    const JointController& c = spec.model.control->joints[j];
+    loops.push_back(c.acts() && c.inertia && has_closed_signals(spec)
+                        ? closed(loop_of(*spec.model.control, j, *c.inertia))
+                        : std::nullopt);
+  }
+  return loops;
+}
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
 /// Part of a constant error that its standard deviation may be by rounding.
 constexpr double constant_spread = 1e-12;
 
@@ -167,6 +189,7 @@ class EffectsInMotion {
       add_either_way(effects_along_motion(spec_.model, {e}, motion, filters_, settling_),
                      *report.along_motion);
     widen(*report.along_motion);
+    if (has_closed_signals(spec_)) report.in_loops = in_loops();
     return report;
   }
 
@@ -181,6 +204,32 @@ class EffectsInMotion {
     add_either_way(largest.tip, sum.tip);
     for (std::size_t f = 0; f < sum.filtered.size(); ++f)
       add_either_way(largest.filtered[f], sum.filtered[f]);
+  }
+
+  /// [joint]: what its loop, at a stated inertia, passes of the errors along the motion.
+  std::vector<LoopRatio> in_loops() const {
+    OperationalModel joints = spec_.model;
+    joints.coordinates.clear();
+    joints.signals.clear();
+    for (const IndependentJoint& joint : joints.chain.independent)
+      for (const Signal& s : find_signals(joints, "joint:" + joint.name)) joints.signals.push_back(s);
+    std::vector<LoopRatio> ratios;
+    for (const std::optional<ClosedLoop>& loop : stated_loops(spec_)) {
+      const auto j = static_cast<Eigen::Index>(ratios.size());
+      ratios.push_back({unknown, unknown});
+      if (!loop) continue;
+      const std::vector<Filter> both{loop->motion, loop->torque};
+      const double settling = settling_time(*spec_.motion, both);
+      ErrorAlongMotion error = effects_along_motion(joints, signals_, *spec_.motion, both, settling);
+      for (const Effect& e : floating_)
+        add_either_way(effects_along_motion(joints, {e}, *spec_.motion, both, settling), error);
+      const double before = std::sqrt(error.tip.covariance(j, j));
+      const auto ratio = [&](std::size_t f) {
+        return before > 0 ? std::sqrt(error.filtered[f].covariance(j, j)) / before : 0;
+      };
+      ratios.back() = {ratio(0), ratio(1)};
+    }
+    return ratios;
   }
 
   /// A joint that the motion leaves at rest is at any place in its play.
@@ -379,7 +428,6 @@ std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& e
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double gear_periods = 2;  ///< of a gear's error in a revolution of its fast shaft
 
 /// Periods of a sine of the shaft per unit of the encoder's coordinate [1/rad or 1/m]; empty: not known.
@@ -394,15 +442,21 @@ std::optional<double> periods_per_unit(const Spec& spec, std::size_t encoder, co
 
 /// Root mean square of |H| over the frequencies from 0 to `highest`.
 double mean_response(const Filter& filter, double highest) {
-  constexpr int intervals = 512;  // |H|^2 of orders up to 8 is smooth on a 512th of the band
+  // Of f = highest u^2, as a loop may pass but the lowest thousandth: |H|^2 is smooth on a 2048th of u.
+  constexpr int intervals = 2048;
   double sum = 0;
-  for (int i = 0; i < intervals; ++i) sum += std::norm(response(filter, highest * (i + 0.5) / intervals));
+  for (int i = 0; i < intervals; ++i) {
+    const double u = (i + 0.5) / intervals;
+    sum += 2 * u * std::norm(response(filter, highest * u * u));
+  }
   return std::sqrt(sum / intervals);
 }
 
 /// Root mean square of a filtered exp(j 2 pi periods x) along the motion: of sqrt(2) sin with any phase.
-double response_along(const Spec& spec, std::size_t encoder, const Filter& filter, double periods) {
-  const double settling = settling_time(*spec.motion, designed_filters(spec));
+/// @param filters  that shall have settled
+double response_along(const Spec& spec, std::size_t encoder, const Filter& filter, double periods,
+                      const std::vector<Filter>& filters) {
+  const double settling = settling_time(*spec.motion, filters);
   const double samples = std::floor(spec.motion->duration * filter.sample_rate + 0.5);
   if (!(samples >= 1 && samples <= static_cast<double>(longest_record))) return unknown;
   const MotionPath path(*spec.motion);
@@ -411,12 +465,12 @@ double response_along(const Spec& spec, std::size_t encoder, const Filter& filte
   // From the steady state for the first reading: zero states would add its step.
   Cascade<double> cosine(filter), sine(filter);
   const double at_start = to_encoder.dot(path.position(0));
+  const double passed = filter.derivative == 0 ? dc_gain(filter) : 0;
   double sum = 0, counted = 0;
   for (double k = 0; k < samples; ++k) {
     const double x =
         2 * std::numbers::pi * periods * (to_encoder.dot(path.position(k / filter.sample_rate)) - at_start);
-    const double constant = filter.derivative == 0 ? 0 : 1;
-    const double c = cosine.step(std::cos(x) - constant), s = sine.step(std::sin(x));
+    const double c = cosine.step(std::cos(x) - 1) + passed, s = sine.step(std::sin(x));
     if (k / filter.sample_rate < settling) continue;
     sum += c * c + s * s;
     ++counted;
@@ -428,22 +482,32 @@ double response_along(const Spec& spec, std::size_t encoder, const Filter& filte
 
 SlowErrorRatios slow_error_ratios(const Spec& spec) {
   const auto& encoders = spec.model.transmission.encoders;
-  const std::vector<double> none(spec.filters.size(), unknown);
+  const std::size_t looped = spec.model.control ? spec.model.control->joints.size() : 0;
+  const std::vector<double> none(spec.filters.size() + 2 * looped, unknown);
   SlowErrorRatios ratios{SigmaRatios(encoders.size(), none), SigmaRatios(encoders.size(), none)};
   if (!states_accuracy(spec) || spec.filters.empty()) return ratios;
   const RobotUsage usage = usage_of(spec);
+  const std::vector<std::optional<ClosedLoop>> loops = stated_loops(spec);
   for (std::size_t i = 0; i < encoders.size(); ++i) {
     const std::optional<double> periods = periods_per_unit(spec, i, usage);
     const auto& velocity = usage.encoders[i].velocity;
     if (!periods || !velocity) continue;
-    const auto ratio = [&](const Filter& filter, double of_shaft) {
-      return spec.motion ? response_along(spec, i, filter, of_shaft * *periods)
-                         : mean_response(filter, of_shaft * *periods * velocity->largest());
+    const auto set = [&](std::size_t at, const Filter& filter, const std::vector<Filter>& settled) {
+      const auto ratio = [&](double of_shaft) {
+        return spec.motion ? response_along(spec, i, filter, of_shaft * *periods, settled)
+                           : mean_response(filter, of_shaft * *periods * velocity->largest());
+      };
+      if (encoders[i].accuracy > 0) ratios.accuracy[i][at] = ratio(1);
+      if (encoders[i].gear_accuracy > 0) ratios.gear_accuracy[i][at] = ratio(gear_periods);
     };
-    for (std::size_t f = 0; f < spec.filters.size(); ++f) {
-      if (encoders[i].accuracy > 0) ratios.accuracy[i][f] = ratio(spec.filters[f].filter, 1);
-      if (encoders[i].gear_accuracy > 0)
-        ratios.gear_accuracy[i][f] = ratio(spec.filters[f].filter, gear_periods);
+    for (std::size_t f = 0; f < spec.filters.size(); ++f)
+      set(f, spec.filters[f].filter, designed_filters(spec));
+    for (std::size_t j = 0; j < loops.size(); ++j) {
+      if (!loops[j] ||
+          spec.model.transmission.coupling(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) == 0)
+        continue;
+      set(spec.filters.size() + 2 * j, loops[j]->motion, {loops[j]->motion, loops[j]->torque});
+      set(spec.filters.size() + 2 * j + 1, loops[j]->torque, {loops[j]->motion, loops[j]->torque});
     }
   }
   return ratios;
@@ -481,9 +545,28 @@ std::string slow_error_assumption(const Spec& spec, const std::vector<EffectShar
         "scale: one over the range)";
   if (play) text += std::string(text.empty() ? "" : ", ") + "play as a step at each end of the joint's range";
   if (text.empty()) return "";
-  return "sigma behind a filter takes " + text +
+  return std::string("sigma behind a filter") +
+         (has_closed_signals(spec) && states_accuracy(spec) ? ", and in a loop of stated inertia," : "") +
+         " takes " + text +
          (spec.motion ? ", along `motion:`"
                       : ", at speeds from 0 to the URDF's limits; add `motion:` to get it at yours");
+}
+
+std::string closed_loop_assumption(const Spec& spec, const std::vector<EffectShare>& effects) {
+  if (!has_closed_signals(spec)) return "";
+  const auto& joints = spec.model.control->joints;
+  const bool varying = std::any_of(joints.begin(), joints.end(),
+                                   [](const JointController& c) { return c.acts() && !c.inertia; });
+  std::vector<std::string> by_norm;
+  for (const EffectShare& e : effects)
+    if (e.included && !is_zero(*e.share) && e.share->spectrum != Spectrum::white &&
+        (varying || !effects_follow_motion(spec)) && !contains(by_norm, e.effect.type))
+      by_norm.push_back(e.effect.type);
+  if (states_accuracy(spec) && varying) by_norm.emplace_back("accuracy");
+  if (by_norm.empty()) return "";
+  return "sigma in closed loops takes " + joined(by_norm) +
+         " by the l1 norm, rms times the most that a loop passes of any motion, which may be far too much; " +
+         (varying ? "state the `inertia` of the joints in `control:`" : "add `motion:`");
 }
 
 }  // namespace qerr

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "control/control.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/independent_error.hpp"
 #include "qerr/input/spec.hpp"
@@ -29,6 +30,7 @@ struct EffectReport {
   std::vector<EffectShare> shares;  ///< in the order of the spec
   std::vector<IndependentError> sources;
   std::optional<ErrorAlongMotion> along_motion = {};
+  std::vector<LoopRatio> in_loops = {};  ///< [joint]: of along_motion; empty: no closed loop is asked for
 };
 EffectReport effect_report(const Spec&);
 
@@ -98,7 +100,9 @@ struct SlowErrorRatios {
 
 /// Along the spec's motion the mean square of the filtered sine, over the samples after the settling and over
 /// the phases; without a motion the mean of |H(f)|^2 over the speeds from 0 to the URDF's limits, all equally
-/// probable. NaN where neither is known, and of a motion of more than `longest_record` samples.
+/// probable. NaN where neither is known, and of a motion of more than `longest_record` samples. Behind those
+/// of the filters stand two of each joint with `control`: of the true motion and of the torque in its closed
+/// loop, at the inertia that the spec states; else NaN.
 SlowErrorRatios slow_error_ratios(const Spec&);
 
 /// [filter]: T sum s_k^2 of the step response s, the energy of a step of 1 behind the filter [s^(1 - 2d)]; of
@@ -107,5 +111,8 @@ std::vector<double> step_energies(const std::vector<Filter>&);
 
 /// How slow errors behind the filters are judged, in a sentence; "" if there are none, or they are not known.
 std::string slow_error_assumption(const Spec&, const std::vector<EffectShare>&);
+
+/// Errors whose sigma in closed loops is bounded by the l1 norm, in a sentence; "" if there are none.
+std::string closed_loop_assumption(const Spec&, const std::vector<EffectShare>&);
 
 }  // namespace qerr

@@ -372,7 +372,7 @@ ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weig
   if (weights.biased || weights.along_motion || weights.stated.mean.size() != errors ||
       spec_.model.along_motion || (!worst && r.bound != Bound::sigma))
     return {};
-  // Of an accuracy the whole passes by ||G||_1 in sigma, too.
+  // What passes of an accuracy depends on the speed of its shaft.
   for (const auto& of_joint : weights.options)
     for (const ErrorWeights& w : of_joint)
       if (!(w.variance * 3).isApprox(w.half_width.cwiseAbs2(), 1e-9)) return {};

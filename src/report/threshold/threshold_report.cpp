@@ -1,6 +1,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lists.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"
@@ -22,9 +24,10 @@ Eigen::VectorXd largest_arms(const Spec& spec, unsigned threads) {
   return workspace(model, {}, spec.configurations, options).largest_arms;
 }
 
-double sample_rate_of(const Spec& spec) {
+/// The first of the spec.
+const NamedFilter& derivative_filter(const Spec& spec) {
   for (const NamedFilter& f : spec.filters)
-    if (f.filter.derivative > 0) return f.filter.sample_rate;
+    if (f.filter.derivative > 0) return f;
   throw spec_error(spec, "filters", "a threshold velocity needs the sample rate of a derivative filter", "",
                    "add filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}");
 }
@@ -54,7 +57,8 @@ Moved farthest_joint(const OperationalModel& model, Eigen::Index encoder, double
 ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
   ThresholdRow best;
   best.robot = spec.robot_name;
-  best.sample_rate = sample_rate_of(spec);
+  best.filter = derivative_filter(spec).name;
+  best.sample_rate = derivative_filter(spec).filter.sample_rate;
   const Transmission& transmission = spec.model.transmission;
   const Eigen::VectorXd arms = spec.threshold_length ? Eigen::VectorXd() : largest_arms(spec, threads);
   for (std::size_t i = 0; i < spec.encoder_figures.size(); ++i) {
@@ -80,7 +84,9 @@ ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
   return best;
 }
 
-std::string to_csv(const ThresholdReport& r, const Style&) { return csv_of(r.rows, {"joint", "coupling"}); }
+std::string to_csv(const ThresholdReport& r, const Style&) {
+  return csv_of(r.rows, {"joint", "coupling", "filter"});
+}
 
 RowsOf<ThresholdRow> rows(Of<ThresholdRow>) {
   return {{"robot", &ThresholdRow::robot},
@@ -90,6 +96,7 @@ RowsOf<ThresholdRow> rows(Of<ThresholdRow>) {
           {"coupling", &ThresholdRow::coupling, nullable},
           {"length_mm", [](auto& r) { return 1e3 * r.length; }, nullable},
           {"sample_rate_hz", &ThresholdRow::sample_rate, nullable},
+          {"filter", &ThresholdRow::filter, "whose rate it is: the first that takes a derivative"},
           {"resolution_mm", [](auto& r) { return 1e3 * r.resolution; }, nullable},
           {"threshold_velocity_mm_s", [](auto& r) { return 1e3 * r.threshold_velocity(); }, nullable},
           {"resolution_mm_as_printed", [](auto& r) { return 1e3 * r.resolution_as_printed; }, nullable},
@@ -114,6 +121,15 @@ std::string couplings(const ThresholdReport& report, std::size_t width) {
   return out;
 }
 
+/// Whose sample rates the velocities are of.
+std::string filters(const ThresholdReport& report, std::size_t width) {
+  std::vector<std::string> names;
+  for (const ThresholdRow& r : report.rows)
+    if (const std::string name = quoted(r.filter); !contains(names, name)) names.push_back(name);
+  return wrapped("rate: of filter " + joined(names) + ", the first of its spec that takes a derivative",
+                 width, "  ");
+}
+
 }  // namespace
 
 std::string to_table(const ThresholdReport& report, const Style& style) {
@@ -129,7 +145,7 @@ std::string to_table(const ThresholdReport& report, const Style& style) {
          wrapped(
              "resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint",
              style.width, "  ") +
-         couplings(report, style.width);
+         filters(report, style.width) + couplings(report, style.width);
 }
 
 }  // namespace qerr

@@ -43,8 +43,7 @@ FilterFamily kalman_family() {
                    "intensity of the white acceleration [unit^2/s^3], or of the white jerk [unit^2/s^5], "
                    "unit: m or rad")
            .above(0),
-       key::number("measurement_noise",
-                   "sigma of the measured coordinate [m or rad]; goes with process_noise")
+       key::coordinate("measurement_noise", "sigma of the measured coordinate; goes with process_noise")
            .above(0),
        tracking_index_row()},
       design};
