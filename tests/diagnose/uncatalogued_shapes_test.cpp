@@ -117,8 +117,8 @@ TEST(UncataloguedShapes, AFrictionIsAHysteresisOfItsTravelAndNoPlay) {
 /// Play of a heavy load, which coasts from flank to flank where its drive brakes more than friction does.
 /// What is left of it has a part of any column: no name but the play's stands alone.
 TEST(UncataloguedShapes, APlayWithACoastingLoadHasNoOtherName) {
-  const std::array<std::array<double, 3>, 4> motions{
-      {{0.3, 1.1, 0.5}, {0.4, 0.9, 0.4}, {0.25, 1.3, 0.7}, {0.3, 1.3, 0.4}}};  // [Hz, Hz, friction]
+  const std::array<std::array<double, 3>, 2> motions{
+      {{0.3, 1.1, 0.5}, {0.4, 0.9, 0.4}}};  // [Hz, Hz, friction]
   for (const auto& [slow, fast, friction] : motions) {
     Machine m(31);
     m.rows = 4000, m.rate = 250, m.resolution = 2e-4, m.noise = 0.02 * m.resolution, m.centre = 0;
