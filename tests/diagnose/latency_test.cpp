@@ -40,6 +40,29 @@ TEST(Latency, OfSeveralRowsIsFoundBetweenSharpReversals) {
   EXPECT_NEAR(d.causes[0].effect.number("delay"), delay, 1e-3 * delay);
 }
 
+/// A clock that drifts beside a delay of several rows, between sharp reversals: each is the other's at some
+/// instant, and a reading is late by both.
+TEST(Latency, OfSeveralRowsIsFoundBesideAClockDrift) {
+  Machine m(800);
+  m.rate = 200, m.rows = 6000, m.resolution = 1.5e-5, m.noise = 0.01 * m.resolution;
+  const auto triangle = [](const Column& t) {
+    return Column(0.06 * (0.13 * 2 * std::numbers::pi * t).sin().asin() + 0.004 * t.sin());
+  };
+  m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+  m.path = triangle(m.time);
+  const double delay = 8 / m.rate, rate = 1.2e-3;
+  const Diagnosis d =
+      diagnose(model_of(m), {}, {}, log_of(m, m.counted(triangle(m.time - delay + rate * m.time))));
+  std::map<std::string, double> found;
+  for (const Cause& c : d.causes)
+    for (const auto& [parameter, value] : c.effect.numbers) found[c.effect.type + ' ' + parameter] = value;
+  EXPECT_EQ(d.verdict, Verdict::explained);
+  EXPECT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found["latency delay"], delay, 2e-3 * delay);
+  EXPECT_NEAR(found["clock_drift rate"], rate, 2e-3 * rate);
+  EXPECT_LT(d.gain.counts_after, 0.35);
+}
+
 /// Where a play leaves what it drives, along a finely sampled path of the driving side.
 Column driven(const Column& driving, double gap) {
   Column at = driving;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -110,6 +111,30 @@ TEST(UncataloguedShapes, AFrictionIsAHysteresisOfItsTravelAndNoPlay) {
     ASSERT_EQ(d.unexplained.size(), 1U) << seed;
     EXPECT_EQ(d.unexplained[0].shape, Shape::hysteresis) << seed;
     EXPECT_NEAR(d.unexplained[0].figures.at("travel"), travel, 0.1 * travel) << seed;
+  }
+}
+
+/// Play of a heavy load, which coasts from flank to flank where its drive brakes more than friction does.
+/// What is left of it has a part of any column: no name but the play's stands alone.
+TEST(UncataloguedShapes, APlayWithACoastingLoadHasNoOtherName) {
+  const std::array<std::array<double, 3>, 2> motions{
+      {{0.3, 1.1, 0.5}, {0.4, 0.9, 0.4}}};  // [Hz, Hz, friction]
+  for (const auto& [slow, fast, friction] : motions) {
+    Machine m(31);
+    m.rows = 4000, m.rate = 250, m.resolution = 2e-4, m.noise = 0.02 * m.resolution, m.centre = 0;
+    m.sines = {{0.5, {2 * std::numbers::pi * slow, 0}}, {0.06, {2 * std::numbers::pi * fast, 1}}};
+    m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+    m.path = m.along(m.time);
+    const Column rate = (m.along(m.time + 1e-4) - m.along(m.time - 1e-4)) / 2e-4,
+                 torque = (m.along(m.time + 1e-3) - 2 * m.path + m.along(m.time - 1e-3)) / 1e-6;
+    const double sliding = friction * std::sqrt(torque.square().mean()), flight = 0.08;
+    Column side = (torque + sliding * rate.sign()).sign();
+    for (Eigen::Index k = 1; k < m.rows; ++k)
+      side[k] = std::clamp(side[k], side[k - 1] - flight, side[k - 1] + flight);
+    const Diagnosis d =
+        diagnose(model_of(m), {}, {}, qerr::log_of(m, m.counted(m.path + 30 * m.resolution * side)));
+    EXPECT_FALSE(d.unexplained.empty()) << slow;
+    for (const Cause& c : d.causes) EXPECT_EQ(c.effect.type, "backlash") << slow;
   }
 }
 

@@ -21,6 +21,7 @@ struct SignalPath {
   const Eigen::ArrayXd &path, &velocity;  ///< of what the effect acts on
   Eigen::ArrayXd signal;
   Eigen::ArrayXd before_sines = {};  ///< of a stage: periodic errors add
+  Eigen::ArrayXd instants = {};      ///< of the readings: each clock acts on what the one before it says
 
   void act(const Effect& effect) {
     const EffectKind& kind = effect_kind(effect.type);
@@ -37,6 +38,7 @@ struct SignalPath {
     const Stage stage = kind.stage;
     const bool sine = is_periodic(kind);
     if (sine && before_sines.size() == 0) before_sines = signal;
+    if (stage == Stage::clock && instants.size() == 0) instants = e.time;
     const Action action = kind.action(effect, e.encoder, 0);
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
       const Moment moment{static_cast<std::uint64_t>(k),
@@ -47,7 +49,8 @@ struct SignalPath {
                           velocity[k],
                           e.acceleration.size() > 0 ? e.acceleration[k] : 0};
       if (stage == Stage::clock) {
-        signal[k] += position_at(e.time, path, velocity, action(e.time[k], moment)) - path[k];
+        instants[k] = action(instants[k], moment);
+        signal[k] = position_at(e.time, path, velocity, instants[k]);
       } else if (stage == Stage::decoder) {
         const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
         signal[k] += sign * (action(count, moment) - count) * e.step();

@@ -86,7 +86,7 @@ class CauseSearch {
       if (!learn(pass == 0)) break;
     }
     // Both loops end: no choice has a refuted family, and the dictionary has finitely many families.
-    while (refute(without_contrast(*model_, choice_))) choose();
+    while (refute(without_contrast(*model_, choice_)) || refute(outweighed(*model_, choice_))) choose();
     while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
     free_orders();
     admit_arcs();

@@ -116,7 +116,8 @@ class Candidates {
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
       if (t.relinearized) add_linearizations(t, family);
-      if (t.relinearized && effect_kind(t.effect.type).stage == Stage::clock) add_shifts(t, family);
+      if (effect_kind(t.effect.type).stage == Stage::clock)
+        t.relinearized ? add_shifts(t, family) : add_beside_clocks(t, family);
       add(std::move(t), family, 1, over);
     }
   }
@@ -181,6 +182,23 @@ class Candidates {
       const auto [least, most] = std::minmax({size / ratio, size * ratio});
       found_.push_back({history(family + " as recorded", size, over), family,
                         static_cast<double>(sizes.size()), least, most, 0, false, over});
+    }
+  }
+
+  /// What another clock adds to a reading that is late: its linearization is that of a reading in time.
+  void add_beside_clocks(const Term& original, const std::string& family) {
+    const auto is_own = [&](const Effect& clock) { return clock.type == original.effect.type; };
+    std::vector<Effect> late = clocks_;
+    if (std::erase_if(late, is_own) == 0 || late.empty()) return;
+    for (const auto& [effect, p] : scanned_.linearizations) {
+      if (effect != original.effect.type) continue;
+      const auto over = [original, late, p = p](const Sampling& s) {
+        std::vector<Effect> all = late;
+        original.fill(all.emplace_back(original.effect), p);
+        return with_columns(original,
+                            s.averaged(path_as_read(*s.record, all) - path_as_read(*s.record, late)) / p[0]);
+      };
+      add_history(family, family + " as recorded" + read_late_, p[0], 1, over);
     }
   }
 

@@ -29,6 +29,12 @@ bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 /// - a reading ahead of time beside anything else that is left.
 std::vector<std::string> without_contrast(const ErrorModel&, const Choice&);
 
+/// The family of the name that explains least, of those that a correlated remainder puts in doubt: more than
+/// five times as much is left as it explains, which any column has in common with a shape that is not its
+/// own; or, without the uncatalogued curves, it would be another by half of its size. Steps, and orders of
+/// which a period is seen, are not in doubt: their shapes stand out. Others may stand once it has gone.
+std::vector<std::string> outweighed(const ErrorModel&, const Choice&);
+
 /// Families of the chosen terms that the quantizer alone would bring: the fit without the term, sent through
 /// the quantizer along the same path with new noise, is analysed with it. Its decrease of the sum of squares
 /// is compared with the mean decrease in nine such simulations (F test, error rate 1 %).

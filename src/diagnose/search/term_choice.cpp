@@ -261,7 +261,7 @@ class Refinement {
       next.linearizations.push_back(now);
     }
     const Candidate& c = m_.candidate(choice_.chosen[i]);
-    if (c.most != 0 && effect_kind(c.term.effect.type).stage == Stage::clock && c.term.named()) {
+    if (term(i).named() && !term(i).relinearized && effect_kind(term(i).effect.type).stage == Stage::clock) {
       const Eigen::VectorXd p = coefficients(i);
       changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
                                [&](const Scanned::Linearization& before) {
