@@ -38,6 +38,7 @@ struct SignalPath {
     const bool sine = is_periodic(kind);
     if (sine && before_sines.size() == 0) before_sines = signal;
     const Action action = kind.action(effect, e.encoder, 0);
+    Eigen::Index before = 0;  // of a clock's instant
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
       const Moment moment{static_cast<std::uint64_t>(k),
                           e.time[k],
@@ -47,7 +48,7 @@ struct SignalPath {
                           velocity[k],
                           e.acceleration.size() > 0 ? e.acceleration[k] : 0};
       if (stage == Stage::clock) {
-        signal[k] += position_at(e.time, path, velocity, action(e.time[k], moment)) - path[k];
+        signal[k] += position_at(e.time, path, velocity, action(e.time[k], moment), before) - path[k];
       } else if (stage == Stage::decoder) {
         const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
         signal[k] += sign * (action(count, moment) - count) * e.step();

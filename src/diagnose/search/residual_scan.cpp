@@ -37,6 +37,12 @@ double gain_of(const Term& t, const Eigen::ArrayXd& scores, const Eigen::ArrayXd
   return gain;
 }
 
+/// Whether a term gains what the number of alternatives alone costs it: less never enters a model.
+bool is_worth_a_trial(const Term& t, const Eigen::ArrayXd& scores, const Eigen::ArrayXd& weight,
+                      double hypotheses) {
+  return gain_of(t, scores, weight) >= 2 * std::log(hypotheses);
+}
+
 /// Distance of the positions of a table whose steps are even, which passages may repeat; 0 where they differ
 /// by more than a fifth, as those of random poses do: these resolve any order.
 double even_step(const Eigen::ArrayXd& path) {
@@ -105,7 +111,7 @@ bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eige
   double hypotheses = 1;
   bool any = false;
   for (double rate : strongest_rates(scores, m.sampled().path, s, hypotheses)) {
-    if (gain_of(free_order_term(m.sampled(), rate), scores, m.weight()) < 2 * std::log(hypotheses)) break;
+    if (!is_worth_a_trial(free_order_term(m.sampled(), rate), scores, m.weight(), hypotheses)) break;
     rate = refined_order(m, residual, rate);
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
@@ -122,6 +128,7 @@ bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
   double hypotheses = 1;
   bool any = false;
   for (const double rate : strongest_rates(scores * load, m.sampled().path, s, hypotheses)) {
+    if (!is_worth_a_trial(loaded_order_term(m.sampled(), rate), scores, m.weight(), hypotheses)) break;
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
     any = true;
@@ -135,6 +142,7 @@ bool scan_lines(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<S
   double hypotheses = 1;
   bool any = false;
   for (const double rate : strongest_rates(scores, m.sampled().time, s, hypotheses)) {
+    if (!is_worth_a_trial(vibration_term(m.sampled(), rate / turn), scores, m.weight(), hypotheses)) break;
     if (has_near(known, rate / turn, 0.25 / duration)) continue;
     known.push_back({rate / turn, hypotheses});
     any = true;
@@ -165,8 +173,10 @@ bool scan_events(const ErrorModel& m, Eigen::ArrayXd left, std::vector<Event>& k
 
 bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vector<Bump>& known) {
   const Bump b = strongest_bump(residual, m.weight(), m.sampled().path);
-  if (b.width == 0 || std::any_of(known.begin(), known.end(),
-                                  [&](const Bump& p) { return std::abs(p.position - b.position) < b.width; }))
+  if (b.width == 0 ||
+      m.gain(bump_term(m.sampled(), b.position, b.width), residual) < 2 * std::log(b.hypotheses) ||
+      std::any_of(known.begin(), known.end(),
+                  [&](const Bump& p) { return std::abs(p.position - b.position) < b.width; }))
     return false;
   known.push_back({b.position, b.width, b.hypotheses});
   return true;
@@ -174,9 +184,10 @@ bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vecto
 
 }  // namespace
 
-bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned& scanned) {
+bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& with_mean, Scanned& scanned) {
   const Eigen::ArrayXd& weight = m.weight();
-  const Eigen::ArrayXd scores = (residual - (residual * weight).sum() / weight.sum()) * weight;
+  const Eigen::ArrayXd residual = with_mean - (with_mean * weight).sum() / weight.sum();
+  const Eigen::ArrayXd scores = residual * weight;
   const Evidence& sampled = m.sampled();
   bool any = false;
   if (!sampled.is_stationary()) any |= scan_orders(m, residual, scores, scanned.orders);
