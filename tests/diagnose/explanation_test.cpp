@@ -238,7 +238,7 @@ TEST(Search, FindsTheSameInAThinnedRecord) {
   }
   e.time = Eigen::ArrayXd::LinSpaced(e.rows(), 0, e.interval * static_cast<double>(e.rows() - 1));
   const Evidence few = thinned(e, 1);
-  EXPECT_EQ(few.rows(), 1 << 17);
+  EXPECT_EQ(few.rows(), 1 << 16);
   EXPECT_EQ(few.interval, e.interval);
   EXPECT_TRUE((few.time.tail(few.rows() - 1) > few.time.head(few.rows() - 1)).all());
   EXPECT_EQ(names(Diagnosed(few).selection), Names{"eccentricity"});
