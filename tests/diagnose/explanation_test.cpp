@@ -13,6 +13,7 @@
 #include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/record/smooth_path.hpp"
+#include "diagnose/search/residual_scan.hpp"
 
 namespace qerr {
 
@@ -238,10 +239,27 @@ TEST(Search, FindsTheSameInAThinnedRecord) {
   }
   e.time = Eigen::ArrayXd::LinSpaced(e.rows(), 0, e.interval * static_cast<double>(e.rows() - 1));
   const Evidence few = thinned(e, 1);
-  EXPECT_EQ(few.rows(), 1 << 17);
+  EXPECT_EQ(few.rows(), 1 << 16);
   EXPECT_EQ(few.interval, e.interval);
   EXPECT_TRUE((few.time.tail(few.rows() - 1) > few.time.head(few.rows() - 1)).all());
   EXPECT_EQ(names(Diagnosed(few).selection), Names{"eccentricity"});
+}
+
+TEST(Search, ScansForNothingThatAModelCouldNotTakeIn) {
+  const auto scanned = [](const Evidence& e) {
+    const ErrorSamples samples = error_samples(e, 1, most_samples);
+    const ErrorModel nothing(e, samples, {}, {}, {});
+    Scanned s;
+    scan_residual(nothing, samples.error, s);
+    return s;
+  };
+  const Scanned of_none = scanned(swing(none));
+  EXPECT_TRUE(of_none.orders.empty() && of_none.lines.empty() && of_none.events.empty() &&
+              of_none.places.empty());
+  const Scanned of_line = scanned(
+      swing([](std::size_t, double t, double) { return 0.15 * step * std::sin(turn * 17 * t + 0.2); }));
+  ASSERT_FALSE(of_line.lines.empty());
+  EXPECT_NEAR(of_line.lines[0].value, 17, 0.02);
 }
 
 TEST(Search, SeparatesLatencyFromPlay) {

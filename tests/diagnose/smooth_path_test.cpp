@@ -116,5 +116,20 @@ TEST(SmoothPath, HasTheVelocityOfThirteenRowsAPeriod) {
   EXPECT_LT(rms((s.velocity - r.velocity).segment(5, inside)), 1e-3 * rms(r.velocity));
 }
 
+TEST(SmoothPath, IsTheSameAtAnInstantFromWhateverRowTheSearchBegins) {
+  std::mt19937 dice(6);
+  const auto sine = [](double t) { return std::pair{std::sin(3 * t), 3 * std::cos(3 * t)}; };
+  const RecordedPath r(dice, 60, 10, 0.3, 0, 1e-7, sine);
+  std::uniform_real_distribution<double> anywhere(-1, 7);
+  Eigen::Index row = 0;  // of the previous instant
+  for (int i = 0; i < 500; ++i) {
+    const double instant = i % 9 == 0 ? r.time[i % 60] : anywhere(dice);
+    EXPECT_EQ(position_at(r.time, r.path, r.velocity, instant, row),
+              position_at(r.time, r.path, r.velocity, instant));
+    if (instant < 0.5 || instant > 5.5) continue;  // a cubic of samples 0.1 s apart
+    EXPECT_NEAR(position_at(r.time, r.path, r.velocity, instant, row), std::sin(3 * instant), 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace qerr

@@ -226,7 +226,7 @@ std::vector<std::size_t> all_encoders(const OperationalModel& model) {
 }
 
 Evidence thinned(Evidence e, std::uint64_t seed) {
-  constexpr Eigen::Index most = 1 << 17;
+  constexpr Eigen::Index most = 1 << 16;
   if (e.rows() <= most) return e;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < most; ++i) rows.push_back(drawn_row(e.rows(), seed, i, most));

@@ -82,7 +82,7 @@ std::vector<Evidence> evidence(const OperationalModel&, const Log& log,
 /// The numbers of all encoders.
 std::vector<std::size_t> all_encoders(const OperationalModel&);
 
-/// Of a record of more than 2^17 rows, one row drawn by the seed from each of as many equal sections: the
+/// Of a record of more than 2^16 rows, one row drawn by the seed from each of as many equal sections: the
 /// search and the fits use fewer. Rows at random times have no aliases.
 Evidence thinned(Evidence, std::uint64_t seed);
 

@@ -256,9 +256,20 @@ void interpolate_rates(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, doub
 
 double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
                    double instant) {
-  const auto next = std::upper_bound(time.begin(), time.end(), instant);
-  const auto k = std::clamp<Eigen::Index>(next - time.begin() - 1, 0, time.size() - 1);
-  if (next == time.begin() || next == time.end()) {
+  Eigen::Index row = 0;
+  return position_at(time, path, velocity, instant, row);
+}
+
+double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
+                   double instant, Eigen::Index& row) {
+  const Eigen::Index last = time.size() - 1;
+  const auto is_before = [&] { return row < last && time[row] <= instant && instant < time[row + 1]; };
+  if (!is_before() && (++row, !is_before())) {
+    const auto next = std::upper_bound(time.begin(), time.end(), instant);
+    row = std::clamp<Eigen::Index>(next - time.begin() - 1, 0, last);
+  }
+  const Eigen::Index k = row;
+  if (k == last || !(instant >= time[0])) {
     const double beyond = instant - time[k];
     const double back = std::clamp(time[k] - beyond, time[0], time[time.size() - 1]);
     if (!(std::abs(back - time[k]) > 0))

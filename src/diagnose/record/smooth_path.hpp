@@ -28,6 +28,10 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
 /// The path at any instant: cubic between its rows; beyond its ends it keeps the acceleration that it had
 /// over as long a time before them.
 /// @param time  increasing [s]
+/// @param row  the row before the previous instant, or 0, and then that before this one: instants that follow
+///   the rows need no search
+double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
+                   double instant, Eigen::Index& row);
 double position_at(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path, const Eigen::ArrayXd& velocity,
                    double instant);
 

@@ -40,6 +40,7 @@ struct SignalPath {
     if (sine && before_sines.size() == 0) before_sines = signal;
     if (stage == Stage::clock && instants.size() == 0) instants = e.time;
     const Action action = kind.action(effect, e.encoder, 0);
+    Eigen::Index before = 0;  // of a clock's instant
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
       const Moment moment{static_cast<std::uint64_t>(k),
                           e.time[k],
@@ -50,7 +51,7 @@ struct SignalPath {
                           e.acceleration.size() > 0 ? e.acceleration[k] : 0};
       if (stage == Stage::clock) {
         instants[k] = action(instants[k], moment);
-        signal[k] = position_at(e.time, path, velocity, instants[k]);
+        signal[k] = position_at(e.time, path, velocity, instants[k], before);
       } else if (stage == Stage::decoder) {
         const double sign = direction(e.encoder), count = sign * std::round(signal[k] / e.step());
         signal[k] += sign * (action(count, moment) - count) * e.step();

@@ -184,7 +184,9 @@ class CauseSearch {
   /// Tables are left out, which would absorb what a scan is to find.
   bool scan(bool first) {
     const bool any = first && scan_residual(*model_, model_->residual({}, model_->fit({})), scanned_);
-    if (first && choice_.chosen.empty()) return any;
+    // A scan does not depend on the mean.
+    const auto is_constant = [&](std::size_t g) { return model_->term(g).constant; };
+    if (first && std::all_of(choice_.chosen.begin(), choice_.chosen.end(), is_constant)) return any;
     LinearModel::Set curves;
     for (const std::size_t g : choice_.chosen)
       if (!model_->is_table(g)) curves.push_back(g);

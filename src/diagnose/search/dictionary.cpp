@@ -44,11 +44,13 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
 }
 
 using Histories = std::map<std::pair<std::string, double>, Term>;
+using Shapes = std::map<std::string, std::vector<double>>;
 
 class Candidates {
  public:
-  Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories)
-      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories) {
+  Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories,
+             Shapes& shapes)
+      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories), shapes_(shapes) {
     for (const Term& t : named_terms(e_))
       for (const Scanned::Linearization& found : scanned.linearizations)
         if (found.effect == t.effect.type && effect_kind(found.effect).stage == Stage::clock &&
@@ -134,8 +136,9 @@ class Candidates {
     const double low = std::max(r.step(), 12 * r.path_noise), high = 0.6 * r.range();
     if (high > low)
       sizes = joined(sizes, series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low)))));
+    const double least = original.of_reference ? low : least_driven(sizes);
     for (const double size : sizes) {
-      if (original.of_reference ? size < low : !r.readings_drive(size)) continue;
+      if (!(size >= least)) continue;
       const auto over = [original, size, clocks = clocks_](const Sampling& s) {
         Term t = original;
         t.columns = s.averaged(original.hysteresis(
@@ -146,6 +149,14 @@ class Candidates {
       found_.push_back({history(family + driven, size, over), family, static_cast<double>(sizes.size()),
                         size / 1.5, size * 1.5, 0, false, over});
     }
+  }
+
+  /// The least of some sizes that the readings drive; NaN: they drive none. They do so from one size on.
+  double least_driven(std::vector<double> sizes) const {
+    std::sort(sizes.begin(), sizes.end());
+    const auto least = std::partition_point(sizes.begin(), sizes.end(),
+                                            [&](double size) { return !s_.record->readings_drive(size); });
+    return least == sizes.end() ? std::nan("") : *least;
   }
 
   /// A non-linear term about the parameters that the previous pass has led to.
@@ -220,10 +231,9 @@ class Candidates {
   /// A term with a parameter that the whole record tells.
   void add_at_shapes(const Term& t) {
     if (has_family(t.effect.type)) return;
-    std::vector<double> shapes;
-    for (const auto& [key, known] : histories_)
-      if (key.first == t.effect.type) shapes.push_back(key.second);
-    if (shapes.empty()) shapes = t.shapes(*s_.record);
+    const auto [place, fresh] = shapes_.try_emplace(t.effect.type);
+    if (fresh) place->second = t.shapes(*s_.record);
+    const std::vector<double>& shapes = place->second;
     for (const double shape : shapes)
       add_history(t.effect.type, t.effect.type, shape, static_cast<double>(shapes.size()),
                   [t, shape](const Sampling& s) {
@@ -371,15 +381,18 @@ class Candidates {
     constexpr int travels = 10, constants = 10;
     constexpr double few_samples = 4;
     for (const double travel : joined(scanned_.travels, series(r.step(), 0.3 * r.range(), travels))) {
-      const auto over = [travel, clocks = clocks_](const Sampling& s, bool from_start) {
-        return friction_term(s, path_as_read(*s.record, clocks), travel, from_start);
-      };
       // A state that is forgotten within few samples is not told.
-      const Term& both =
-          history("friction" + read_late_, travel, [&](const Sampling& s) { return over(s, true); });
-      const bool from_start = both.columns.col(1).square().sum() > few_samples;
-      add(from_start ? both : over(s_, false), "hysteresis", travels,
-          [over, from_start](const Sampling& s) { return over(s, from_start); });
+      const auto over = [travel, clocks = clocks_](const Sampling& s) {
+        return friction_term(s, path_as_read(*s.record, clocks), travel);
+      };
+      const Term& both = history("friction" + read_late_, travel, over);
+      const Eigen::Index told = both.columns.col(1).square().sum() > few_samples ? 2 : 1;
+      const auto told_of = [told](Term t) {
+        t.columns.conservativeResize(Eigen::NoChange, told);
+        return t;
+      };
+      add(told_of(both), "hysteresis", travels,
+          [over, told_of](const Sampling& s) { return told_of(over(s)); });
     }
     const double duration = e_.time[e_.rows() - 1];
     for (const double constant : series(duration / 300, duration / 10, constants))
@@ -414,6 +427,7 @@ class Candidates {
   const Scanned& scanned_;
   const Eigen::ArrayXd& moved_;
   Histories& histories_;
+  Shapes& shapes_;
   std::vector<Effect> clocks_;  ///< that the previous pass has found
   std::string read_late_;       ///< their sizes
   std::size_t scanned_number_ = 0;
@@ -433,7 +447,7 @@ Term searchable(Term t) {
 }
 
 std::vector<Candidate> Dictionary::candidates(const Scanned& scanned, const Eigen::ArrayXd& moved) {
-  return Candidates(*sampling_, scanned, moved, histories_).all();
+  return Candidates(*sampling_, scanned, moved, histories_, shapes_).all();
 }
 
 std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {

@@ -61,6 +61,8 @@ class Dictionary {
   /// Columns that depend on the history of the whole record, by family and shape: they are the same in every
   /// pass.
   std::map<std::pair<std::string, double>, Term> histories_;
+  /// Parameters that the whole record tells, by effect: the same in every pass, too.
+  std::map<std::string, std::vector<double>> shapes_;
 };
 
 /// Family of a named order, by its wave number in the joint.

@@ -28,14 +28,13 @@ bool has_near(const std::vector<Scanned::Rate>& rates, double value, double with
   });
 }
 
-/// Decrease of the weighted sum of squares by a term alone.
-double gain_of(const Term& t, const Eigen::ArrayXd& scores, const Eigen::ArrayXd& weight) {
-  double gain = 0;
-  for (Eigen::Index i = 0; i < t.size(); ++i) {
-    const auto column = t.columns.col(i);
-    gain += std::pow((column * scores).sum(), 2) / std::max((column.square() * weight).sum(), 1e-300);
-  }
-  return gain;
+/// Whether a term gains what its coefficients and the number of its alternatives cost it where the residual
+/// has the least variance: less never enters a model.
+bool is_worth_a_trial(const ErrorModel& m, const Term& t, const Eigen::ArrayXd& residual,
+                      double alternatives) {
+  const double price =
+      static_cast<double>(t.size()) * std::log(m.rows()) + 2 * std::log(std::max(1.0, alternatives));
+  return m.gain(t, residual) >= m.floor() * price;
 }
 
 /// Distance of the positions of a table whose steps are even, which passages may repeat; 0 where they differ
@@ -106,7 +105,10 @@ bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eige
   double hypotheses = 1;
   bool any = false;
   for (double rate : strongest_rates(scores, m.sampled().path, s, hypotheses)) {
-    if (gain_of(free_order_term(m.sampled(), rate), scores, m.weight()) < 2 * std::log(hypotheses)) break;
+    // A whole number of the faster shaft has no more alternatives than are below it.
+    const double whole = 2 * rate / std::max(1.0, std::abs(m.sampled().encoder.shaft_ratio));
+    if (!is_worth_a_trial(m, free_order_term(m.sampled(), rate), residual, std::min(whole, hypotheses)))
+      continue;
     rate = refined_order(m, residual, rate);
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
@@ -115,7 +117,7 @@ bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eige
   return any;
 }
 
-bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
+bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& scores,
                         std::vector<Scanned::Rate>& known) {
   const double range = m.sampled().range();
   const RateScan s{1.5 * turn / range, highest_order(m.record()), 2};
@@ -123,6 +125,7 @@ bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
   double hypotheses = 1;
   bool any = false;
   for (const double rate : strongest_rates(scores * load, m.sampled().path, s, hypotheses)) {
+    if (!is_worth_a_trial(m, loaded_order_term(m.sampled(), rate), residual, hypotheses)) break;
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
     any = true;
@@ -130,12 +133,13 @@ bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
   return any;
 }
 
-bool scan_lines(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known,
-                double duration) {
+bool scan_lines(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& scores,
+                std::vector<Scanned::Rate>& known, double duration) {
   const RateScan s{turn * 8 / duration, std::numbers::pi / m.sampled().interval, 3};
   double hypotheses = 1;
   bool any = false;
   for (const double rate : strongest_rates(scores, m.sampled().time, s, hypotheses)) {
+    if (!is_worth_a_trial(m, vibration_term(m.sampled(), rate / turn), residual, hypotheses)) break;
     if (has_near(known, rate / turn, 0.25 / duration)) continue;
     known.push_back({rate / turn, hypotheses});
     any = true;
@@ -166,8 +170,10 @@ bool scan_events(const ErrorModel& m, Eigen::ArrayXd left, std::vector<Event>& k
 
 bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vector<Bump>& known) {
   const Bump b = strongest_bump(residual, m.weight(), m.sampled().path);
-  if (b.width == 0 || std::any_of(known.begin(), known.end(),
-                                  [&](const Bump& p) { return std::abs(p.position - b.position) < b.width; }))
+  if (b.width == 0 ||
+      !is_worth_a_trial(m, bump_term(m.sampled(), b.position, b.width), residual, b.hypotheses) ||
+      std::any_of(known.begin(), known.end(),
+                  [&](const Bump& p) { return std::abs(p.position - b.position) < b.width; }))
     return false;
   known.push_back({b.position, b.width, b.hypotheses});
   return true;
@@ -175,16 +181,17 @@ bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vecto
 
 }  // namespace
 
-bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned& scanned) {
+bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& with_mean, Scanned& scanned) {
   const Eigen::ArrayXd& weight = m.weight();
-  const Eigen::ArrayXd scores = (residual - (residual * weight).sum() / weight.sum()) * weight;
+  const Eigen::ArrayXd residual = with_mean - (with_mean * weight).sum() / weight.sum();
+  const Eigen::ArrayXd scores = residual * weight;
   const Evidence& sampled = m.sampled();
   bool any = false;
   if (!sampled.is_stationary()) any |= scan_orders(m, residual, scores, scanned.orders);
   if (!sampled.is_stationary() && sampled.effort.size() > 0)
-    any |= scan_loaded_orders(m, scores, scanned.loaded_orders);
+    any |= scan_loaded_orders(m, residual, scores, scanned.loaded_orders);
   if (const double duration = sampled.ordered ? sampled.time[sampled.rows() - 1] : 0; duration > 0) {
-    any |= scan_lines(m, scores, scanned.lines, duration);
+    any |= scan_lines(m, residual, scores, scanned.lines, duration);
     any |= scan_events(m, residual, scanned.events, duration);
   }
   if (!sampled.is_stationary()) any |= scan_places(m, residual, scanned.places);

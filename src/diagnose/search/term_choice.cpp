@@ -160,7 +160,7 @@ class Refinement {
       : m_(m), choice_(choice), scanned_(scanned) {}
 
   bool refine() {
-    refine_reshaped(choice_.chosen, choice_.fit, 0.02);
+    refine_reshaped(choice_.chosen, choice_.fit, 0.005);
     refine_time_constants();
     refine_travel();
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i) keep_size(i);

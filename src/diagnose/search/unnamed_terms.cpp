@@ -204,7 +204,7 @@ Term speed_term(const RecordSignals& s) {
                     s.velocity.abs());
 }
 
-Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double travel, bool from_start) {
+Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double travel) {
   const Evidence& e = *sampling.record;
   const double noise = std::max(6 * e.path_noise, 1e-3 * e.step());
   Eigen::ArrayXd state(e.rows()), start(e.rows());
@@ -220,9 +220,8 @@ Term friction_term(const Sampling& sampling, const Eigen::ArrayXd& path, double 
     at = next;
     state[k] = z, start[k] = kept;
   }
-  Eigen::ArrayXXd columns(static_cast<Eigen::Index>(sampling.groups.size()), from_start ? 2 : 1);
-  columns.col(0) = sampling.averaged(state);
-  if (from_start) columns.col(1) = sampling.averaged(start);
+  Eigen::ArrayXXd columns(static_cast<Eigen::Index>(sampling.groups.size()), 2);
+  columns << sampling.averaged(state), sampling.averaged(start);
   Term t = unnamed_term(e, Shape::hysteresis, "hysteresis that builds up over a travel after each reversal",
                         std::move(columns));
   t.fill = [](Effect& effect, const Eigen::VectorXd& c) { effect.numbers["width"] = 2 * std::abs(c[0]); };

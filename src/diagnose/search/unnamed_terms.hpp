@@ -59,7 +59,7 @@ Term speed_term(const RecordSignals&);
 /// @param path        of the record's rows, as the encoder reads it
 /// @param from_start  with a second column for the state in which the record begins, which the travel since
 ///   then has not yet ended
-Term friction_term(const Sampling&, const Eigen::ArrayXd& path, double travel, bool from_start);
+Term friction_term(const Sampling&, const Eigen::ArrayXd& path, double travel);
 
 /// State that follows the direction of motion (0 at rest) with a time constant [s]: what decays after each
 /// stop, as creep and viscoelasticity do.

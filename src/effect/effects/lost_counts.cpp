@@ -3,7 +3,6 @@
 #include <limits>
 #include <optional>
 
-#include "core/solve.hpp"
 #include "core/statistics.hpp"
 #include "effect/effects/effects.hpp"
 
@@ -37,8 +36,12 @@ class LossScan {
     stride_ = (path_.size() + fitted - 1) / fitted;
     const Eigen::ArrayXd path = every(path_), shaft = s.encoder.shaft_ratio * path;
     error_ = every((s.measured - s.path)(some)).matrix();
-    columns_.resize(path.size(), 5);
-    columns_ << path, Eigen::VectorXd::Ones(path.size()), path - path.mean(), shaft.sin(), shaft.cos();
+    beside_.resize(path.size(), 4);
+    beside_ << Eigen::VectorXd::Ones(path.size()), path - path.mean(), shaft.sin(), shaft.cos();
+    for (Eigen::Index i = 0; i < beside_.cols(); ++i) {
+      const double size = beside_.col(i).norm(), own = project(beside_.col(i), i);
+      beside_.col(i) *= own > 1e-9 * size ? 1 / own : 0;
+    }
   }
 
   /// The speed above which a loss leaves least. None where all speeds or none are above: what is lost at all
@@ -57,7 +60,7 @@ class LossScan {
       for (int i = -fine; i <= fine; ++i) attempt(about + step * i);
     }
     const auto rows = static_cast<double>(error_.size());
-    const double all = standard_deviation(error_.array()), left = std::sqrt(least / rows);
+    const double all = standard_deviation(error_.array()), left = std::sqrt(std::max(0.0, least) / rows);
     return best > 0 && left < std::max(part_left * all, counts_left * step_) ? std::optional(best)
                                                                              : std::nullopt;
   }
@@ -69,16 +72,24 @@ class LossScan {
     const double above = (speed_ > speed).select(speed_, 0).sum(), travel = speed_.sum();
     if (above < least_share * travel || above > (1 - least_share) * travel)
       return std::numeric_limits<double>::infinity();
-    Eigen::MatrixXd columns = columns_.leftCols(1 + beside);
-    columns.col(0) = every(way_above(time_, path_, speed)).matrix();
-    return (error_ - columns * least_norm_solution(columns, error_)).squaredNorm();
+    Eigen::VectorXd way = every(way_above(time_, path_, speed)).matrix(), error = error_;
+    const double size = way.norm(), own = project(way, beside), left = std::pow(project(error, beside), 2);
+    return own > 1e-9 * size ? left - std::pow(way.dot(error) / own, 2) : left;
+  }
+
+  /// Takes from a column what is along the first of the orthonormal ones, twice, as rounding has it.
+  /// @returns the size of what is left
+  double project(Eigen::Ref<Eigen::VectorXd> column, Eigen::Index first) const {
+    const auto basis = beside_.leftCols(first);
+    for (int i = 0; i < 2; ++i) column -= basis * (basis.transpose() * column).eval();
+    return column.norm();
   }
 
   Eigen::Index stride_ = 1;
   double step_ = 0;
   Eigen::ArrayXd time_, path_, speed_;
   Eigen::VectorXd error_;
-  Eigen::MatrixXd columns_;  // room for the loss, and those beside it
+  Eigen::MatrixXd beside_;  // orthonormal: a constant, a scale, an eccentricity
 };
 
 std::vector<double> speeds_of_loss(const RecordSignals& s) {
@@ -86,6 +97,8 @@ std::vector<double> speeds_of_loss(const RecordSignals& s) {
   const LossScan scan(s);
   for (const Eigen::Index beside : {1, 4})
     if (const auto speed = scan.best(beside)) speeds.push_back(*speed);
+  std::sort(speeds.begin(), speeds.end());
+  speeds.erase(std::unique(speeds.begin(), speeds.end()), speeds.end());
   return speeds;
 }
 
