@@ -122,11 +122,10 @@ Eigen::VectorXd ErrorModel::coefficients(const LinearModel::Set& set, const Line
 double ErrorModel::gain(const Term& t, const Eigen::ArrayXd& residual) const {
   Eigen::MatrixXd columns(residual.size(), t.size() + 1);
   columns << Eigen::VectorXd::Ones(residual.size()), t.columns.matrix();
-  const LinearModel constant(columns.leftCols(1), residual.matrix(), weight_.matrix(), 1),
-      both(columns, residual.matrix(), weight_.matrix(), columns.cols());
+  const LinearModel linear(columns, residual.matrix(), weight_.matrix(), 1);
   // Below the rounding of a huge residual the difference may be negative, and a search for its maximum
   // endless.
-  return std::max(0.0, constant.fit({}, {}).rss - both.fit({}, {}).rss);
+  return std::max(0.0, linear.fit({}, {}).rss - linear.fit({{.first = 1, .count = t.size()}}, {0}).rss);
 }
 
 double ErrorModel::lost_without(const Choice& choice, std::size_t position) const {

@@ -69,9 +69,21 @@ Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::Vecto
   z.col(count).head(rows) = root.cwiseProduct(y);
   z.col(count + 1).head(rows) = root;
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(z.cols(), z.cols());
-  select_kernels<GramKernels>(instruction_set())
-      .add_gram(z.data(), static_cast<std::size_t>(z.rows()), static_cast<std::size_t>(z.cols()),
-                lower.data());
+  const auto add_tile = select_kernels<GramKernels>(instruction_set()).add_tile;
+  constexpr Eigen::Index tile = GramKernels::tile;
+  constexpr Eigen::Index block = 512;  // rows: some hundred columns of them stay in the second-level cache
+  for (Eigen::Index first = 0; first < z.rows(); first += block) {
+    const Eigen::Index size = std::min(block, z.rows() - first);
+    // A table in time, and what begins with an event, is zero in most blocks.
+    std::vector<Eigen::Index> tiles;
+    for (Eigen::Index i = 0; i < z.cols(); i += tile)
+      if (!z.block(first, i, size, tile).isZero(0)) tiles.push_back(i);
+    for (const Eigen::Index i : tiles)
+      for (const Eigen::Index j : tiles)
+        if (j <= i)
+          add_tile(&z(first, i), &z(first, j), static_cast<std::size_t>(size),
+                   static_cast<std::size_t>(z.rows()), static_cast<std::size_t>(z.cols()), &lower(i, j));
+  }
   return lower.topLeftCorner(count + 2, count + 2).selfadjointView<Eigen::Lower>();
 }
 
