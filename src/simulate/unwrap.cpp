@@ -29,8 +29,16 @@ double Unwrap::operator()(double value) {
   withdrawn_ = 0;
   if (!started_) {
     started_ = true;
-    before_ = now_ = {value, value, value};
+    now_ = {value, value, value};
     return value;
+  }
+  const double unwrapped = value + static_cast<double>(now_.turns) * turn_;
+  if (!far_off_ && std::abs(unwrapped - (now_.last + now_.velocity)) <= noticeable * turn_) {
+    // As predicted, which nearly all samples are: the same state without a copy.
+    now_.lowest = std::min(now_.lowest, value);
+    now_.highest = std::max(now_.highest, value);
+    now_.velocity = unwrapped - now_.last;
+    return now_.last = unwrapped;
   }
   const auto deviation = [](const State& from, const State& to, double samples) {
     return std::abs(to.last - (from.last + samples * from.velocity));
@@ -50,7 +58,7 @@ double Unwrap::operator()(double value) {
       next = now_ = without;
     }
   }
-  before_ = now_;
+  if (far_off_) before_ = now_;
   now_ = next;
   return now_.last;
 }

@@ -58,7 +58,7 @@ class Unwrap {
   bool is_beyond(const State& s) const { return s.highest - s.lowest > most_span_; }
 
   double turn_, most_span_;
-  State before_, now_;  // before_: of the sample before the last one
+  State before_, now_;  // before_: before a sample that is far off
   std::int64_t withdrawn_ = 0;
   bool started_ = false, far_off_ = false;
 };

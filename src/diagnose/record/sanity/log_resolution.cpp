@@ -62,7 +62,8 @@ bool is_steady(const Eigen::ArrayXd& values, double step) {
 /// spec says, whose counts are divided by it.
 void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   std::int64_t divisor = 0;
-  for (const double c : read.counts) divisor = std::gcd(divisor, std::llround(c - read.counts[0]));
+  for (Eigen::Index k = 1; k < read.counts.size() && divisor != 1; ++k)
+    divisor = std::gcd(divisor, std::llround(read.counts[k] - read.counts[0]));
   const auto every = static_cast<double>(divisor);
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
   if (is_steady(read.counts, every)) return;
