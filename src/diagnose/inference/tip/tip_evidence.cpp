@@ -332,15 +332,26 @@ Eigen::Index TipTerm::size() const {
   return 0;
 }
 
-DelayedReading delayed_reading(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
-  constexpr double h = 1e-3;  // [s], within which rates hardly change
+namespace {
+
+double read_at(const TipEvidence& e, std::size_t encoder, double instant) {
   const ReadPath& path = (*e.paths)[encoder];
-  const double time = e.encoders[encoder].time[row];
-  const auto at = [&](double instant) {
-    return position_at(path.time, path.position, path.velocity, instant);
-  };
+  return position_at(path.time, path.position, path.velocity, instant);
+}
+
+/// The slope of `added_by_delay` by the delay.
+double slope_by_delay(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
+  constexpr double h = 1e-3;  // [s], within which rates hardly change
+  const double then = e.encoders[encoder].time[row] + delay;
+  return (read_at(e, encoder, then - h) - read_at(e, encoder, then + h)) / (2 * h);
+}
+
+}  // namespace
+
+double added_by_delay(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
   // The reading is of `delay` before; where the joint is now will be read then.
-  return {at(time) - at(time + delay), (at(time + delay - h) - at(time + delay + h)) / (2 * h)};
+  const double time = e.encoders[encoder].time[row];
+  return read_at(e, encoder, time) - read_at(e, encoder, time + delay);
 }
 
 TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate& estimate,
@@ -356,8 +367,8 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       for (std::size_t i = 0; i < e.encoders.size(); ++i)
         if (delays(i, e)) {
           const auto at = static_cast<Eigen::Index>(i);
-          const DelayedReading read = delayed_reading(e, i, row, estimate.delay(at, row));
-          columns += p.joints * e.delayed.col(at) * (read.slope * term.columns(row, 0));
+          const double slope = slope_by_delay(e, i, row, estimate.delay(at, row));
+          columns += p.joints * e.delayed.col(at) * (slope * term.columns(row, 0));
         }
       break;
     case Kind::geometry:

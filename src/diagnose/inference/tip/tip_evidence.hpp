@@ -127,12 +127,8 @@ struct TipTerm {
   TipColumns at(const TipPose&, const TipEvidence&, const TipEstimate&, Eigen::Index row) const;
 };
 
-/// What the delay of an encoder adds to its reading at a row, by the path [rad or m], and its slope by the
-/// delay.
-struct DelayedReading {
-  double addition, slope;
-};
-DelayedReading delayed_reading(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
+/// What the delay of an encoder adds to its reading at a row, by the path [rad or m].
+double added_by_delay(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
 
 /// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; errors of
 /// the clock of all readings, which are those of the tracker's stamps, too.

@@ -291,7 +291,7 @@ void TipModel::update_estimate() {
     for (Eigen::Index k = 0; k < evidence_->rows(); ++k)
       if (estimate_.delay(e, k) != 0)
         estimate_.additions(e, k) +=
-            delayed_reading(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay(e, k)).addition;
+            added_by_delay(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay(e, k));
   estimate_.chain = as_built(model_->chain, built);
   for (std::size_t i = 0; i < terms_.size(); ++i)
     if (const TipTerm& t = terms_[i];

@@ -10,6 +10,7 @@
 #include "core/solve.hpp"
 #include "diagnose/inference/tip/tip_remainder.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
+#include "diagnose/search/peaks.hpp"
 
 namespace qerr {
 
@@ -56,24 +57,22 @@ std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd
   if (range < 20 * e.step()) return std::nullopt;
   const double spacing = std::numbers::pi / range;
   const auto some = Eigen::seq(0, Eigen::last, std::max<Eigen::Index>(1, e.rows() / 2048));
-  const Eigen::ArrayXd angle = e.path(some), weight = score(some).array();
-  const auto power = [&](const Eigen::ArrayXd& cosine, const Eigen::ArrayXd& sine) {
-    return std::pow((weight * cosine).sum(), 2) + std::pow((weight * sine).sum(), 2);
-  };
-  // An order of the grid is the one before it, turned by the same angle in each row.
-  const Eigen::ArrayXd turn_cosine = (spacing * angle).cos(), turn_sine = (spacing * angle).sin();
-  Eigen::ArrayXd cosine = turn_cosine, sine = turn_sine, next(angle.size());
+  const Eigen::ArrayXd angle = e.path(some) - e.path.minCoeff(), weight = score(some).array();
+  const auto last =
+      std::min<Eigen::Index>(scanned_at_tip - 1, static_cast<Eigen::Index>(1.5 / (spacing * e.step())));
+  // Every other one of half the spacing. Its errors are below 3 % of the largest power: those that may be the
+  // largest are summed.
+  const std::vector<float> powers = periodogram(weight, angle, spacing / 2, 0, 2 * last);
+  float least = 0;
+  for (auto i = std::size_t{4}; i < powers.size(); i += 2) least = std::max(least, powers[i]);
+  least -= 0.06F * *std::max_element(powers.begin(), powers.end());
   double best = 0, best_order = 0;
-  for (int i = 2; i < scanned_at_tip && i * spacing * e.step() < 1.5; ++i) {
-    next = cosine * turn_cosine - sine * turn_sine;
-    sine = sine * turn_cosine + cosine * turn_sine;
-    cosine.swap(next);
-    if (const double here = power(cosine, sine); here > best) best = here, best_order = i * spacing;
-  }
+  for (auto i = std::size_t{4}; i < powers.size(); i += 2)
+    if (const double order = static_cast<double>(i) * spacing / 2; powers[i] >= least)
+      if (const double here = power_at(weight, angle, order); here > best) best = here, best_order = order;
   for (double step = spacing / 2; step > spacing / 100; step /= 2)
     for (const double order : {best_order - step, best_order + step})
-      if (const double here = power((order * angle).cos(), (order * angle).sin()); here > best)
-        best = here, best_order = order;
+      if (const double here = power_at(weight, angle, order); here > best) best = here, best_order = order;
   return free_order_term(e, best_order);
 }
 

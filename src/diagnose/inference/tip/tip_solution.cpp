@@ -15,14 +15,12 @@ constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix
 
 double log_likelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma) {
   const Eigen::ArrayXd variance = known.array() + sigma * sigma;
-  // Logarithms of four factors at a time, which lie between 1 and some 1e18.
-  const Eigen::ArrayXd ratio = variance / (sigma * sigma);
-  const Eigen::Index quarter = ratio.size() / 4;
-  const double logarithms = (ratio.head(quarter) * ratio.segment(quarter, quarter) *
-                             ratio.segment(2 * quarter, quarter) * ratio.segment(3 * quarter, quarter))
-                                .log()
-                                .sum() +
-                            ratio.tail(ratio.size() - 4 * quarter).log().sum();
+  // Logarithms of eight factors at a time, which lie between 1 and some 1e18.
+  const Eigen::ArrayXd ratio = 1 + known.array() / (sigma * sigma);
+  const Eigen::Index part = ratio.size() / 8;
+  Eigen::ArrayXd product = ratio.head(part);
+  for (Eigen::Index i = 1; i < 8; ++i) product *= ratio.segment(i * part, part);
+  const double logarithms = product.log().sum() + ratio.tail(ratio.size() - 8 * part).log().sum();
   return -0.5 * (logarithms + (residual.array().square() / variance).sum()) -
          static_cast<double>(residual.size()) * (std::log(sigma) + 0.5 * std::log(2 * std::numbers::pi));
 }
