@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "diagnose/search/linear_model.hpp"
 #include "diagnose/search/peaks.hpp"
 #include "support/random_chain.hpp"
 
@@ -42,6 +43,35 @@ TEST(Periodogram, HasThePowerOfEveryRate) {
       EXPECT_NEAR(power_at(score, argument, static_cast<double>(n) * spacing), expected, 1e-9 * most);
     }
   }
+}
+
+// Columns that are zero in whole blocks of rows, as a table in time has them, are left out of products there.
+TEST(WeightedGram, IsThatOfAllRows) {
+  Dice dice(3);
+  const Eigen::Index rows = 1700, count = 21;
+  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(rows, count + 2);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index first = i < 4 ? 0 : 80 * i, last = i < 4 ? rows : std::min(rows, first + 300);
+    for (Eigen::Index k = first; k < last; ++k) z(k, i) = dice.between(-1, 1);
+  }
+  Eigen::VectorXd weight(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) weight[k] = dice.between(0, 2), z(k, count) = dice.between(-1, 1);
+  z.col(count + 1).setOnes();
+  const Eigen::MatrixXd expected = z.transpose() * weight.asDiagonal() * z;
+  EXPECT_LT((weighted_gram(z.leftCols(count), z.col(count), weight) - expected).cwiseAbs().maxCoeff(),
+            1e-11 * static_cast<double>(rows));
+}
+
+TEST(Transitions, AreThoseOfTheResidual) {
+  const Eigen::ArrayXd time = Eigen::ArrayXd::LinSpaced(5000, 0, 50), weight = 2 + time.sin();
+  Event ramp{.time = 21};
+  find_transitions(ramp, ((time - 20) / 3).max(0.0).min(1.0) - 0.4, weight, time);
+  EXPECT_NEAR(ramp.ramp_start, 20, 0.02);
+  EXPECT_NEAR(ramp.ramp_duration, 3, 0.02);
+  Event approach{.time = 21};
+  find_transitions(approach, 1 - (-(time - 20).max(0.0) / 4).exp(), weight, time);
+  EXPECT_NEAR(approach.approach_start, 20, 0.02);
+  EXPECT_NEAR(approach.time_constant, 4, 0.03);
 }
 
 }  // namespace
