@@ -42,9 +42,9 @@ class SignalErrors {
   FigureLayout layout_;
   Eigen::MatrixXd moved_;  // independent joints x errors
   Eigen::VectorXd half_width_, mean_;
-  Eigen::VectorXd white_, slow_;  // [error]: sigma of errors of white and of other spectra
+  Eigen::VectorXd white_, slow_;                     // [error]: sigma of errors of white and of other spectra
   std::vector<std::vector<LoopRatio>> slow_ratios_;  // [error][joint]: as in LoopsAt; empty: white
-  Eigen::VectorXd joints_;        // worst case of the independent joints
+  Eigen::VectorXd joints_;                           // worst case of the independent joints
   std::vector<Behind> behind_;
   LoopsOfBatch loops_;
   bool rigorous_, own_worst_, own_sigma_;
