@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
@@ -140,6 +141,7 @@ void CsvReader::read_header() {
 void CsvReader::look_at_cells() {
   constexpr std::size_t sampled = 200;
   const std::vector<std::vector<std::string>> rows = first_rows(sampled);
+  std::optional<std::size_t> either;  // a column of commas that may be of thousands
   for (std::size_t i = 0; i < header_.size(); ++i) {
     std::vector<std::string> cells;
     std::string unit;
@@ -158,11 +160,20 @@ void CsvReader::look_at_cells() {
       cell_units_[i] = unit;
       if (of_header.empty()) header_[i] += " [" + unit + ']';
     }
-    if (format_.decimal == '.' && format_.separator != ',' && has_decimal_commas(cells)) {
+    if (format_.decimal != '.' || format_.separator == ',') continue;
+    if (has_decimal_commas(cells)) {
       comma_columns_.resize(header_.size());
       comma_columns_[i] = true;
+    } else if (std::any_of(cells.begin(), cells.end(), [](const std::string& c) {
+                 return c.find(',') != std::string::npos && is_numeric(c, ',');
+               })) {
+      either = i;
     }
   }
+  if (either && !comma_columns_.empty())
+    throw Error(header_places_[*either], header_[*either],
+                "commas with three digits behind each: of thousands, or of decimals as in other columns?", "",
+                "write numbers without marks of thousands, or with decimal points");
 }
 
 /// Takes the cells of the header, one after the other, as there may be very many.

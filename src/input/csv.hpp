@@ -122,6 +122,7 @@ class CsvReader {
   void fit_header();
   void look_at_cells();
   std::string plain_text(const Cell&, std::size_t column) const;
+  bool has_commas(std::size_t column) const { return !comma_columns_.empty() && comma_columns_[column]; }
   bool only_empty_rows_follow();
   bool is_blank_in_cell(char c) const { return is_blank(c) && !separates(c); }
   bool separates(char c) const { return c == format_.separator || (format_.separator == ' ' && c == '\t'); }

@@ -280,7 +280,11 @@ std::optional<std::size_t> find_column(const LogTable& table, const Chain& chain
   }
   const bool strays = std::any_of(table.header().begin(), table.header().end(),
                                   [&](const LogHeader& column) { return is_stray(column, chain); });
-  if (best.empty() && may_rest && !strays) return std::nullopt;
+  // A joint of which the file has counts or a velocity moves.
+  const auto moves = std::find_if(table.header().begin(), table.header().end(), [&](const LogHeader& column) {
+    return column.meaning.signal == joint + ".counts" || column.meaning.signal == joint + ".velocity";
+  });
+  if (best.empty() && may_rest && !strays && moves == table.header().end()) return std::nullopt;
   if (best.empty())
     throw Error(table.header()[0].place, joint, "the file has no column for this joint", "",
                 did_you_mean(joint, names) + "; log: {columns: {" + joint + ".reference: COLUMN}} maps it" +

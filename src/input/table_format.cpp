@@ -327,7 +327,7 @@ bool has_decimal_commas(const std::vector<std::string>& cells) {
 
 NumberAndUnit number_and_unit(std::string_view cell, char decimal) {
   const std::size_t end = cell.find_last_of("0123456789") + 1;
-  if (end == 0 || !is_numeric(cell.substr(0, end), decimal)) return {};
+  if (end == 0 || is_hexadecimal(cell) || !is_numeric(cell.substr(0, end), decimal)) return {};
   std::string unit = unit_in_words(trimmed(cell.substr(end)));
   return unit.empty() ? NumberAndUnit{} : NumberAndUnit{cell.substr(0, end), std::move(unit)};
 }

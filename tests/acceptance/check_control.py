@@ -476,7 +476,12 @@ def check_slow(t, qerr, folder, count, seed):
             if not t.check(f"slow errors {i} run", ran.code == 0, ran.err.decode()[:300]):
                 continue
             for row in json.loads(ran.out)["position"]:
-                if row.get("signal") not in ("closed_position", "closed_torque") or row["coordinate"] not in ("a1", "a2"):
+                if row.get("signal") not in ("closed_position", "closed_torque"):
+                    continue
+                if kind == "accuracy":
+                    t.check(f"slow errors {i}: {row['signal']} {row['coordinate']}: sigma is at most the worst case",
+                            row["sigma"]["max"] <= row["worst_case"]["max"] * (1 + 1e-9))
+                if row["coordinate"] not in ("a1", "a2"):
                     continue
                 j, part = int(row["coordinate"][1]) - 1, row["signal"] == "closed_torque"
                 h = responses[j][part]

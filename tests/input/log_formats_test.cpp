@@ -442,6 +442,21 @@ TEST_F(LogFormats, AColumnMayHaveDecimalCommasBesidePoints) {
   EXPECT_EQ(values(log, LogSignal::reference)[1], 0.25);
   EXPECT_NE(refusal(head + "0;1;0.5\n0.1;2;0,25\n").find("one decimal mark"), std::string::npos);
   EXPECT_NE(refusal(head + "0.1;1;0.5\n0,2;2;0.25\n").find("one decimal mark"), std::string::npos);
+  // Of thousands, or of decimals; and what no row of a sample has shown.
+  EXPECT_NE(refusal(head + "0,00;1,024;0.5\n0,01;2,048;0.25\n").find("of thousands, or of decimals"),
+            std::string::npos);
+  std::string rows;
+  for (int i = 0; i < 300; ++i) rows += "0," + std::to_string(1000 + i) + ";1;0.5\n";
+  for (const std::string last : {"1.234", "1.234,5", "1,234,567"})
+    EXPECT_NE(refusal(head + rows + last + ";1;0.5\n").find("without marks of thousands"), std::string::npos)
+        << last;
+}
+
+TEST_F(LogFormats, ALastHexadecimalDigitIsNoUnit) {
+  EXPECT_EQ(list(read("time [s],shoulder.counts\n0,0x6A\n1,0x6A\n2,0x6d\n"), LogSignal::counts),
+            (std::vector<double>{0x6A, 0x6A, 0x6d}));
+  EXPECT_EQ(list(read("time [s],shoulder.counts\n0,0x6d\n1,0x6d\n"), LogSignal::counts),
+            (std::vector<double>{0x6d, 0x6d}));
 }
 
 TEST_F(LogFormats, CapitalUnitsAreReadWhereOneIsMeant) {

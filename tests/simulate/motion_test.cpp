@@ -186,8 +186,10 @@ TEST_F(MotionSpec, AJointWithoutAColumnRestsUnlessItMayHaveAnotherName) {
   EXPECT_NEAR(spec.motion->table.positions.col(1).cwiseAbs().sum(), std::numbers::pi / 90, 1e-15);
   EXPECT_TRUE(std::any_of(spec.warnings.begin(), spec.warnings.end(),
                           [](const std::string& w) { return w.find("at rest at 0") != std::string::npos; }));
-  EXPECT_NE(message("{file: motion.csv}", "time,elbow,shulder\n0,0,0\n0.01,0,0\n").find("would rest at 0"),
-            std::string::npos);
+  for (const std::string other : {"shulder", "shoulder.velocity", "shoulder.counts"})
+    EXPECT_NE(
+        message("{file: motion.csv}", "time,elbow," + other + "\n0,0,0\n0.01,0,0\n").find("would rest at 0"),
+        std::string::npos);
 }
 
 TEST_F(MotionSpec, AFileIsWhateverALogCanBe) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "bound/signals/signals.hpp"
 #include "control/loop_response.hpp"
 
@@ -46,14 +48,21 @@ SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& ro
       sum.dc += weight * own.dc;
     }
     // Of several loops the responses themselves are added, if the recursion has them all.
-    if (joints.size() > 1 && stable && !loops.slow) {
+    if (joints.size() > 1 && stable) {
       std::vector<const std::vector<double>*> responses;
       for (const std::size_t j : joints) {
         const LoopResponse& response = loops.response(j);
         stable = stable && response.stable;
         responses.push_back(torque ? &response.torque : &response.motion);
       }
-      if (stable) sum = norms_of_sum(responses, weights);
+      if (stable) {
+        const ResponseNorms together = norms_of_sum(responses, weights);
+        // Of a slow error the triangle inequality knows the frequencies, the sum the signs.
+        if (loops.slow)
+          sum.l1 = std::min(sum.l1, together.l1);
+        else
+          sum = together;
+      }
     }
     n.l1[e] = sum.l1;
     n.h2[e] = sum.h2;

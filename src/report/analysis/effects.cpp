@@ -485,7 +485,7 @@ SlowErrorRatios slow_error_ratios(const Spec& spec) {
   const std::size_t looped = spec.model.control ? spec.model.control->joints.size() : 0;
   const std::vector<double> none(spec.filters.size() + 2 * looped, unknown);
   SlowErrorRatios ratios{SigmaRatios(encoders.size(), none), SigmaRatios(encoders.size(), none)};
-  if (!states_accuracy(spec) || spec.filters.empty()) return ratios;
+  if (!states_accuracy(spec) || none.empty()) return ratios;
   const RobotUsage usage = usage_of(spec);
   const std::vector<std::optional<ClosedLoop>> loops = stated_loops(spec);
   for (std::size_t i = 0; i < encoders.size(); ++i) {
@@ -562,7 +562,10 @@ std::string closed_loop_assumption(const Spec& spec, const std::vector<EffectSha
     if (e.included && !is_zero(*e.share) && e.share->spectrum != Spectrum::white &&
         (varying || !effects_follow_motion(spec)) && !contains(by_norm, e.effect.type))
       by_norm.push_back(e.effect.type);
-  if (states_accuracy(spec) && varying) by_norm.emplace_back("accuracy");
+  const RobotUsage usage = usage_of(spec);
+  const bool speeds_known = std::all_of(usage.encoders.begin(), usage.encoders.end(),
+                                        [](const Usage& u) { return u.velocity.has_value(); });
+  if (states_accuracy(spec) && (varying || !speeds_known)) by_norm.emplace_back("accuracy");
   if (by_norm.empty()) return "";
   return "sigma in closed loops takes " + joined(by_norm) +
          " by the l1 norm, rms times the most that a loop passes of any motion, which may be far too much; " +
