@@ -63,6 +63,27 @@ TEST(Latency, OfSeveralRowsIsFoundBesideAClockDrift) {
   EXPECT_LT(d.gain.counts_after, 0.35);
 }
 
+/// A record that begins and ends in motion does not have what its clock reads before and behind it: noise of
+/// the reference, carried on for several rows, is no further cause.
+TEST(Latency, OfSeveralRowsInMotionIsTheOnlyCause) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Machine m(900 + seed);
+    m.rate = 250, m.rows = 3000, m.resolution = 1.5e-5, m.noise = 0.1 * m.resolution;
+    m.sines = {{0.3, {2 * std::numbers::pi * 0.3, m.between(0, 6)}},
+               {0.03, {2 * std::numbers::pi * 1.3, m.between(0, 6)}},
+               {0.002, {2 * std::numbers::pi * 10, 0}}};
+    m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+    m.path = m.along(m.time);
+    const double delay = m.between(5, 11) / m.rate;
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(m.along(m.time - delay))));
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    ASSERT_EQ(d.causes.size(), 1U) << seed;
+    EXPECT_EQ(d.causes[0].effect.type, "latency") << seed;
+    EXPECT_NEAR(d.causes[0].effect.number("delay"), delay, 1e-3 * delay) << seed;
+    EXPECT_LT(d.gain.counts_after, 0.35) << seed;
+  }
+}
+
 /// Where a play leaves what it drives, along a finely sampled path of the driving side.
 Column driven(const Column& driving, double gap) {
   Column at = driving;

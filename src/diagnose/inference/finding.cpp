@@ -206,10 +206,25 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
   return std::nullopt;
 }
 
+/// Those groups of rows that the clocks found read within the record.
+std::vector<RowGroup> rows_within(const Evidence& record, const FoundCauses& found,
+                                  const std::vector<RowGroup>& all) {
+  std::vector<Effect> effects;
+  for (const ChosenTerm& c : found.chosen)
+    if (c.candidate.term.named())
+      c.candidate.term.fill(effects.emplace_back(c.candidate.term.effect), c.coefficients);
+  const auto within = reads_within(record, effects, record.time);
+  std::vector<RowGroup> some;
+  for (const RowGroup& g : all)
+    if (within.segment(g.first, g.end - g.first).all()) some.push_back(g);
+  const auto least = least_part_within * static_cast<double>(all.size());
+  return record.ordered && static_cast<double>(some.size()) >= least ? some : all;
+}
+
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {
   auto f = std::make_unique<Finding>();
-  f->sampling.emplace(record, independent_rows(record, seed, enough_rows));
   FoundCauses found = search_causes(record, seed);
+  f->sampling.emplace(record, rows_within(record, found, independent_rows(record, seed, enough_rows)));
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
     while (const auto impossible =

@@ -88,14 +88,15 @@ bool has_path(const Eigen::ArrayXd& time) { return time.size() >= 8 && time[time
 struct FitWeights {
   Eigen::VectorXd value, slope, curvature;
 
-  /// A cubic; through three samples a line for the value and a parabola for the derivatives.
+  /// A cubic, or of another degree; through three samples a line for the value and a parabola for the
+  /// derivatives.
   /// @param times   of the samples [s]
   /// @param centre  where the polynomial is evaluated [s]
-  FitWeights(const Eigen::VectorXd& times, double centre) {
+  FitWeights(const Eigen::VectorXd& times, double centre, Eigen::Index degree = 3) {
     const double scale = std::max({times[times.size() - 1] - centre, centre - times[0], 1e-300});
     const Eigen::ArrayXd u = (times.array() - centre) / scale;
     const Eigen::Index n = times.size();
-    Eigen::MatrixXd powers(n, n == 3 ? 3 : 4);
+    Eigen::MatrixXd powers(n, std::min(n, degree + 1));
     powers.col(0).setOnes();
     for (Eigen::Index i = 1; i < powers.cols(); ++i) powers.col(i) = powers.col(i - 1).array() * u;
     value = row(n == 3 ? Eigen::MatrixXd(powers.leftCols(2)) : powers, 0);
@@ -208,44 +209,24 @@ class Window {
   FitWeights common_;  ///< of windows without gaps
 };
 
-/// Weights of samples in the slope and the curvature, at one of them, of the polynomial through all: those of
-/// Lagrange's polynomials.
-struct InterpolationWeights {
-  Eigen::VectorXd slope, curvature;
-
-  InterpolationWeights(const Eigen::ArrayXd& times, Eigen::Index at)
-      : slope(Eigen::VectorXd::Zero(times.size())), curvature(slope) {
-    double others = 0;
-    for (Eigen::Index j = 0; j < times.size(); ++j) {
-      if (j == at) continue;
-      slope[j] = 1 / (times[j] - times[at]);
-      others -= slope[j];
-      for (Eigen::Index i = 0; i < times.size(); ++i)
-        if (i != j && i != at) slope[j] *= (times[at] - times[i]) / (times[j] - times[i]);
-    }
-    for (Eigen::Index j = 0; j < times.size(); ++j)
-      if (j != at) curvature[j] = 2 * slope[j] * (others + 1 / (times[j] - times[at]));
-    slope[at] = -slope.sum();
-    curvature[at] = -curvature.sum();
-  }
-};
-
 /// Velocity and acceleration where nine samples are even, by the polynomial through them: of a sine of p
 /// samples a period the velocity is short by (2 pi/p)^8/630 in their middle, that of three samples by (2
-/// pi/p)^2/6.
+/// pi/p)^2/6. At the ends it would have 33 times the noise of a sample as velocity of an interval: there a
+/// polynomial of the fifth degree, 3 times, is fitted to them.
 void interpolate_rates(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double interval,
                        SmoothPath& path) {
-  constexpr Eigen::Index width = 9, half = width / 2;
+  constexpr Eigen::Index width = 9, half = width / 2, degree_at_ends = 5;
   if (x.size() < width) return;
-  std::vector<InterpolationWeights> weights;
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(width, 0, (width - 1) * interval);
+  std::vector<FitWeights> weights;
   for (Eigen::Index at = 0; at < width; ++at)
-    weights.emplace_back(Eigen::ArrayXd::LinSpaced(width, 0, (width - 1) * interval), at);
+    weights.emplace_back(times, times[at], at == half ? width - 1 : degree_at_ends);
   path.acceleration.setZero(x.size());
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const Eigen::Index first = std::clamp(k - half, Eigen::Index{0}, x.size() - width);
     const double span = time[first + width - 1] - time[first];
     if (std::abs(span - (width - 1) * interval) > 1e-3 * interval) continue;
-    const InterpolationWeights& here = weights[static_cast<std::size_t>(k - first)];
+    const FitWeights& here = weights[static_cast<std::size_t>(k - first)];
     const auto window = (x.segment(first, width) - x[k]).matrix();
     path.velocity[k] = here.slope.dot(window);
     path.acceleration[k] = here.curvature.dot(window);

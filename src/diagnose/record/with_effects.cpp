@@ -99,20 +99,25 @@ Eigen::ArrayXd path_as_read(const Evidence& e, const std::vector<Effect>& clocks
   return e.joint_angle() + joint_addition(e, clocks);
 }
 
+Eigen::Array<bool, Eigen::Dynamic, 1> reads_within(const Evidence& record, const std::vector<Effect>& effects,
+                                                   const Eigen::ArrayXd& time) {
+  Eigen::ArrayXd instants = time;
+  for (const Effect& effect : effects) {
+    if (effect.joint != record.joint || effect_kind(effect.type).stage != Stage::clock || is_random(effect))
+      continue;
+    const Action action = effect_kind(effect.type).action(effect, record.encoder, 0);
+    for (Eigen::Index k = 0; k < time.size(); ++k) instants[k] = action(instants[k], Moment{.time = time[k]});
+  }
+  return instants >= record.time[0] && instants <= record.time[record.rows() - 1];
+}
+
 Evidence within_record(Evidence e, const std::vector<Effect>& effects) {
   if (!e.ordered) return e;
-  for (const Effect& effect : effects) {
-    if (effect.joint != e.joint || effect_kind(effect.type).stage != Stage::clock || is_random(effect))
-      continue;
-    const Action instant = effect_kind(effect.type).action(effect, e.encoder, 0);
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index k = 0; k < e.rows(); ++k)
-      if (const double t = instant(e.time[k], Moment{.time = e.time[k]});
-          t >= e.time[0] && t <= e.time[e.rows() - 1])
-        rows.push_back(k);
-    if (static_cast<Eigen::Index>(rows.size()) < e.rows() && !rows.empty()) e = rows_of(e, rows);
-  }
-  return e;
+  const auto within = reads_within(e, effects, e.time);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    if (within[k]) rows.push_back(k);
+  return static_cast<Eigen::Index>(rows.size()) < e.rows() && !rows.empty() ? rows_of(e, rows) : e;
 }
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {

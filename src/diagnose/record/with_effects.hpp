@@ -15,9 +15,16 @@ namespace qerr {
 /// of the load need the effort column.
 Evidence with_effects(Evidence, const std::vector<Effect>&);
 
-/// The rows whose clocks, by these effects, read the path within the record: what it was before and behind is
-/// not known.
+/// Whether the encoder's clock, by these effects, reads the path within the record at some instants: what it
+/// was before and behind is not known.
+Eigen::Array<bool, Eigen::Dynamic, 1> reads_within(const Evidence& record, const std::vector<Effect>&,
+                                                   const Eigen::ArrayXd& time);
+
+/// The rows at which it does, if there are any.
 Evidence within_record(Evidence, const std::vector<Effect>&);
+
+/// Part of the rows that a clock must read within the record: one that does not is a guess of a search.
+inline constexpr double least_part_within = 0.9;
 
 /// The joint's path where the clocks of its encoder read it: what drives a play at the joint [rad or m].
 Eigen::ArrayXd path_as_read(const Evidence&, const std::vector<Effect>& clocks);

@@ -81,8 +81,7 @@ class CauseSearch {
     if (samples_.size() < fewest_samples) return at_rest(record_, history_.names);
     history_.worth = history_.worth_of_shapes = material * record_.step();
     for (int pass = 0; pass < most_passes; ++pass) {
-      model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);
-      choose();
+      rebuild();
       if (!learn(pass == 0)) break;
     }
     // Both loops end: no choice has a refuted family, and the dictionary has finitely many families.
@@ -103,6 +102,13 @@ class CauseSearch {
     std::vector<std::string> names;
     for (const std::size_t g : set) names.push_back(model_->candidate(g).family);
     return names;
+  }
+
+  /// The model of what has been scanned, and its choice.
+  void rebuild() {
+    model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events,
+                   clocks_of(samples_.sampling.evidence, scanned_), excess_);
+    choose();
   }
 
   void choose() {
@@ -202,8 +208,7 @@ class CauseSearch {
       scanned_.orders.push_back(r);
       history_.refuted.push_back(family_of_order(r.value));
     }
-    model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);
-    choose();
+    rebuild();
   }
 
   /// A curve of the position without a name may be a short part of one period per revolution, if that, of a

@@ -50,15 +50,15 @@ class Candidates {
  public:
   Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories,
              Shapes& shapes)
-      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories), shapes_(shapes) {
-    for (const Term& t : named_terms(e_))
-      for (const Scanned::Linearization& found : scanned.linearizations)
-        if (found.effect == t.effect.type && effect_kind(found.effect).stage == Stage::clock &&
-            found.parameters.size() == t.size()) {
-          clocks_.push_back(t.effect);
-          t.fill(clocks_.back(), found.parameters);
-          for (const auto& [name, value] : clocks_.back().numbers) read_late_ += ' ' + significant(value, 6);
-        }
+      : s_(s),
+        e_(s.evidence),
+        scanned_(scanned),
+        moved_(moved),
+        histories_(histories),
+        shapes_(shapes),
+        clocks_(clocks_of(e_, scanned)) {
+    for (const Effect& clock : clocks_)
+      for (const auto& [name, value] : clock.numbers) read_late_ += ' ' + significant(value, 6);
   }
 
   std::vector<Candidate> all() && {
@@ -435,6 +435,17 @@ class Candidates {
 };
 
 }  // namespace
+
+std::vector<Effect> clocks_of(const RecordSignals& s, const Scanned& scanned) {
+  std::vector<Effect> clocks;
+  for (const Scanned::Linearization& found : scanned.linearizations) {
+    if (effect_kind(found.effect).stage != Stage::clock) continue;
+    for (const Term& t : named_terms(s))
+      if (found.effect == t.effect.type && found.parameters.size() == t.size())
+        t.fill(clocks.emplace_back(t.effect), found.parameters);
+  }
+  return clocks;
+}
 
 std::string family_of_order(double wave_number) { return "order " + significant(std::abs(wave_number), 6); }
 

@@ -65,6 +65,9 @@ class Dictionary {
   std::map<std::string, std::vector<double>> shapes_;
 };
 
+/// Clocks of the encoder at the parameters that a search has found.
+std::vector<Effect> clocks_of(const RecordSignals&, const Scanned&);
+
 /// Family of a named order, by its wave number in the joint.
 std::string family_of_order(double wave_number);
 

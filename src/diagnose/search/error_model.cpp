@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "diagnose/record/with_effects.hpp"
+
 namespace qerr {
 
 namespace {
@@ -20,14 +22,15 @@ constexpr double complete = 1.3;
 }  // namespace
 
 ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std::vector<Candidate> candidates,
-                       const std::vector<Event>& events, const ExcessVariance& excess)
+                       const std::vector<Event>& events, const std::vector<Effect>& clocks,
+                       const ExcessVariance& excess)
     : record_(&record),
       samples_(&samples),
       excess_(excess),
       candidates_(std::move(candidates)),
       base_(record.encoder.zero_known ? 0 : 1) {
   list_groups();
-  weigh(events);
+  weigh(events, clocks);
   linear_.emplace(columns_, samples.error.matrix(), weight_.matrix(), base_);
   floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
 }
@@ -66,7 +69,7 @@ Eigen::ArrayXd ErrorModel::weights(const ErrorSamples& s) const {
   return (s.variance + excess_.at(s.sampling.evidence).max(immaterial)).inverse();
 }
 
-void ErrorModel::weigh(const std::vector<Event>& events) {
+void ErrorModel::weigh(const std::vector<Event>& events, const std::vector<Effect>& clocks) {
   weight_ = weights(*samples_);
   if (!sampled().ordered) return;
   // A sample that a step divides belongs to neither side.
@@ -74,6 +77,9 @@ void ErrorModel::weigh(const std::vector<Event>& events) {
     weight_ = ((sampled().time - event.time).abs() < 2 * sampled().interval).select(0.0, weight_);
   // Nor does one at which the side of a play is unknown.
   if ((sampled().direction.abs() == 1).any()) weight_ = (sampled().direction.abs() == 1).select(weight_, 0.0);
+  const auto within = reads_within(*record_, clocks, sampled().time);
+  if (static_cast<double>(within.count()) >= least_part_within * static_cast<double>(samples_->size()))
+    weight_ = within.select(weight_, 0.0);
 }
 
 void ErrorModel::price(double independent, double worth, double worth_of_shapes) {

@@ -41,8 +41,9 @@ struct Choice {
 class ErrorModel {
  public:
   /// @param events  times at which samples may be divided by a step
+  /// @param clocks  that the previous pass has found: samples that they read beyond the record have no weight
   ErrorModel(const Evidence& record, const ErrorSamples&, std::vector<Candidate>,
-             const std::vector<Event>& events, const ExcessVariance&);
+             const std::vector<Event>& events, const std::vector<Effect>& clocks, const ExcessVariance&);
 
   const Evidence& record() const { return *record_; }
   const ErrorSamples& samples() const { return *samples_; }
@@ -112,7 +113,7 @@ class ErrorModel {
 
  private:
   void list_groups();
-  void weigh(const std::vector<Event>&);
+  void weigh(const std::vector<Event>&, const std::vector<Effect>& clocks);
 
   const Evidence* record_;
   const ErrorSamples* samples_;

@@ -164,6 +164,7 @@ class Refinement {
     refine_time_constants();
     refine_travel();
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i) keep_size(i);
+    keep_clocks_of_names();
     for (const LinearModel::Set* set : {&choice_.chosen, &choice_.richest})
       for (const std::size_t g : *set) keep(m_.candidate(g));
     return changed_;
@@ -260,21 +261,38 @@ class Refinement {
                                });
       next.linearizations.push_back(now);
     }
-    const Candidate& c = m_.candidate(choice_.chosen[i]);
-    if (term(i).named() && !term(i).relinearized && effect_kind(term(i).effect.type).stage == Stage::clock) {
-      const Eigen::VectorXd p = coefficients(i);
-      changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
-                               [&](const Scanned::Linearization& before) {
-                                 return before.effect == c.term.effect.type &&
-                                        before.parameters.size() == 1 &&
-                                        std::abs(p[0] - before.parameters[0]) <= 0.01 * std::abs(p[0]);
-                               });
-      next.linearizations.push_back({c.term.effect.type, p});
-    }
+    if (is_clock(term(i)) && !term(i).relinearized) keep_clock(term(i), coefficients(i));
     if (!term(i).hysteresis) return;
     const double size = coefficients(i)[0];
     changed_ |= scanned_.hystereses.empty() || std::abs(size - scanned_.hystereses.front()) > 0.02 * size;
     next.hystereses.push_back(size);
+  }
+
+  static bool is_clock(const Term& t) {
+    return t.named() && effect_kind(t.effect.type).stage == Stage::clock;
+  }
+
+  /// Keeps the parameter of a clock, which is that of its term.
+  void keep_clock(const Term& t, const Eigen::VectorXd& p) {
+    changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
+                             [&](const Scanned::Linearization& before) {
+                               return before.effect == t.effect.type && before.parameters.size() == 1 &&
+                                      std::abs(p[0] - before.parameters[0]) <= 0.01 * std::abs(p[0]);
+                             });
+    next.linearizations.push_back({t.effect.type, p});
+  }
+
+  /// Curves without a name follow a shift in time whose size the series has not met: as with time constants,
+  /// the best named terms have the clocks that they need, chosen or not.
+  void keep_clocks_of_names() {
+    const LinearModel::Set& names = choice_.named;
+    const LinearModel::Fit fit = m_.fit(names);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Term& t = m_.term(names[i]);
+      const auto is_own = [&](const Scanned::Linearization& l) { return l.effect == t.effect.type; };
+      if (is_clock(t) && std::none_of(next.linearizations.begin(), next.linearizations.end(), is_own))
+        keep_clock(t, m_.coefficients(names, fit, i).head(1));
+    }
   }
 
   /// The travel of the friction that leaves least beside what is no hysteresis, between neighbours at half
