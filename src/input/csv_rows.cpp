@@ -286,12 +286,18 @@ std::string CsvReader::with_decimal_point(const Cell& cell, std::size_t chosen) 
 
 /// The text of a cell without the unit that all numbers of its column have, and with a decimal point where
 /// the column has commas of its own.
+/// @throws Error (input) for other numbers in such a column, whose marks may be of thousands
 std::string CsvReader::plain_text(const Cell& cell, std::size_t column) const {
   std::string text = cell.text;
   if (!cell_units_.empty() && !cell_units_[column].empty())
     if (const NumberAndUnit parts = number_and_unit(text, format_.decimal); parts.unit == cell_units_[column])
       text = std::string(parts.number);
-  if (has_commas(column)) make_decimal_point(text.data(), text.data() + text.size());
+  if (!has_commas(column) || is_missing(text)) return text;
+  if (text.find('.') != std::string::npos || !is_numeric(text, ','))
+    throw Error(place_at(cell.begin), header_[column],
+                "no plain number with a decimal comma, which the column's others have", "'" + cell.text + "'",
+                "write all numbers with one decimal mark, and without marks of thousands");
+  std::replace(text.begin(), text.end(), ',', '.');
   return text;
 }
 
@@ -302,11 +308,6 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
   }
   Cell plain = cell;
   plain.text = plain_text(cell, chosen_[chosen]);
-  if (has_commas(chosen_[chosen]) &&
-      (cell.text.find('.') != std::string::npos || !is_numeric(plain.text, '.')))
-    throw Error(place_at(cell.begin), header_[chosen_[chosen]],
-                "no plain number with a decimal comma, which the column's others have", "'" + cell.text + "'",
-                "write all numbers with one decimal mark, and without marks of thousands");
   const std::string ended = with_decimal_point(plain, chosen) + '\n';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';

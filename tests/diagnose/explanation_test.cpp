@@ -248,7 +248,7 @@ TEST(Search, FindsTheSameInAThinnedRecord) {
 TEST(Search, ScansForNothingThatAModelCouldNotTakeIn) {
   const auto scanned = [](const Evidence& e) {
     const ErrorSamples samples = error_samples(e, 1, most_samples);
-    const ErrorModel nothing(e, samples, {}, {}, {});
+    const ErrorModel nothing(e, samples, {}, {}, {}, {});
     Scanned s;
     scan_residual(nothing, samples.error, s);
     return s;

@@ -443,7 +443,9 @@ TEST_F(LogFormats, AColumnMayHaveDecimalCommasBesidePoints) {
   EXPECT_NE(refusal(head + "0;1;0.5\n0.1;2;0,25\n").find("one decimal mark"), std::string::npos);
   EXPECT_NE(refusal(head + "0.1;1;0.5\n0,2;2;0.25\n").find("one decimal mark"), std::string::npos);
   // Of thousands, or of decimals; and what no row of a sample has shown.
-  EXPECT_NE(refusal(head + "0,00;1,024;0.5\n0,01;2,048;0.25\n").find("of thousands, or of decimals"),
+  EXPECT_NE(refusal("time [s];shoulder.counts;shoulder.reference "
+                    "[rad];a;b;c\n0,00;1,024;0.5;0.5;0.5;0.5\n0,01;2,048;0.2;0.5;0.5;0.5\n")
+                .find("of thousands, or of decimals"),
             std::string::npos);
   std::string rows;
   for (int i = 0; i < 300; ++i) rows += "0," + std::to_string(1000 + i) + ";1;0.5\n";
