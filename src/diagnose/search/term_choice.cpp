@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnose/record/with_effects.hpp"
 #include "effect/effects/effects.hpp"
 
 namespace qerr {
@@ -290,8 +291,13 @@ class Refinement {
     for (std::size_t i = 0; i < names.size(); ++i) {
       const Term& t = m_.term(names[i]);
       const auto is_own = [&](const Scanned::Linearization& l) { return l.effect == t.effect.type; };
-      if (is_clock(t) && std::none_of(next.linearizations.begin(), next.linearizations.end(), is_own))
-        keep_clock(t, m_.coefficients(names, fit, i).head(1));
+      if (!is_clock(t) || std::any_of(next.linearizations.begin(), next.linearizations.end(), is_own))
+        continue;
+      const Eigen::VectorXd p = m_.coefficients(names, fit, i).head(1);
+      Effect clock = t.effect;
+      t.fill(clock, p);
+      if (reads_within(m_.record(), {clock}, m_.record().time).cast<double>().mean() >= least_part_within)
+        keep_clock(t, p);
     }
   }
 
