@@ -56,9 +56,7 @@ Term speed_term(const RecordSignals&);
 
 /// Hysteresis of friction (Dahl 1968): dz/dx = (1 - z sgn(dx))/travel, which saturates at the direction of
 /// motion over a travel [rad or m] after each reversal. Motion within the noise of the path is none.
-/// @param path        of the record's rows, as the encoder reads it
-/// @param from_start  with a second column for the state in which the record begins, which the travel since
-///   then has not yet ended
+/// @param path  of the record's rows, as the encoder reads it
 Term friction_term(const Sampling&, const Eigen::ArrayXd& path, double travel);
 
 /// State that follows the direction of motion (0 at rest) with a time constant [s]: what decays after each
