@@ -208,17 +208,18 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
 
 /// Those groups of rows that the clocks found read within the record.
 std::vector<RowGroup> rows_within(const Evidence& record, const FoundCauses& found,
-                                  const std::vector<RowGroup>& all) {
+                                  std::vector<RowGroup> all) {
   std::vector<Effect> effects;
   for (const ChosenTerm& c : found.chosen)
-    if (c.candidate.term.named())
+    if (c.candidate.term.named() && effect_kind(c.candidate.term.effect.type).stage == Stage::clock)
       c.candidate.term.fill(effects.emplace_back(c.candidate.term.effect), c.coefficients);
+  if (effects.empty() || !record.ordered) return all;
   const auto within = reads_within(record, effects, record.time);
   std::vector<RowGroup> some;
   for (const RowGroup& g : all)
     if (within.segment(g.first, g.end - g.first).all()) some.push_back(g);
   const auto least = least_part_within * static_cast<double>(all.size());
-  return record.ordered && static_cast<double>(some.size()) >= least ? some : all;
+  return static_cast<double>(some.size()) >= least ? some : all;
 }
 
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {

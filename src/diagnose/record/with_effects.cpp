@@ -99,12 +99,19 @@ Eigen::ArrayXd path_as_read(const Evidence& e, const std::vector<Effect>& clocks
   return e.joint_angle() + joint_addition(e, clocks);
 }
 
+namespace {
+
+bool is_own_clock(const Evidence& record, const Effect& effect) {
+  return effect.joint == record.joint && effect_kind(effect.type).stage == Stage::clock && !is_random(effect);
+}
+
+}  // namespace
+
 Eigen::Array<bool, Eigen::Dynamic, 1> reads_within(const Evidence& record, const std::vector<Effect>& effects,
                                                    const Eigen::ArrayXd& time) {
   Eigen::ArrayXd instants = time;
   for (const Effect& effect : effects) {
-    if (effect.joint != record.joint || effect_kind(effect.type).stage != Stage::clock || is_random(effect))
-      continue;
+    if (!is_own_clock(record, effect)) continue;
     const Action action = effect_kind(effect.type).action(effect, record.encoder, 0);
     for (Eigen::Index k = 0; k < time.size(); ++k) instants[k] = action(instants[k], Moment{.time = time[k]});
   }
@@ -112,7 +119,8 @@ Eigen::Array<bool, Eigen::Dynamic, 1> reads_within(const Evidence& record, const
 }
 
 Evidence within_record(Evidence e, const std::vector<Effect>& effects) {
-  if (!e.ordered) return e;
+  const auto is_clock = [&](const Effect& effect) { return is_own_clock(e, effect); };
+  if (!e.ordered || std::none_of(effects.begin(), effects.end(), is_clock)) return e;
   const auto within = reads_within(e, effects, e.time);
   std::vector<Eigen::Index> rows;
   for (Eigen::Index k = 0; k < e.rows(); ++k)
