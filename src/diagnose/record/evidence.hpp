@@ -82,8 +82,8 @@ std::vector<Evidence> evidence(const OperationalModel&, const Log& log,
 /// The numbers of all encoders.
 std::vector<std::size_t> all_encoders(const OperationalModel&);
 
-/// Of a record of more than 2^16 rows, one row drawn by the seed from each of as many equal sections: the
-/// search and the fits use fewer. Rows at random times have no aliases.
+/// A record of more than 2^16 rows becomes one row, drawn by the seed, from each of as many equal sections:
+/// the search and the fits use fewer. Rows at random times have no aliases.
 Evidence thinned(Evidence, std::uint64_t seed);
 
 }  // namespace qerr

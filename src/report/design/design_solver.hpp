@@ -120,7 +120,7 @@ struct FilterSet {
   std::vector<DesignedGain> gains = {};       ///< the same of gains
   std::shared_ptr<const Control> control =
       nullptr;  ///< with these filters and gains; null: the spec has none
-  /// Of the choices that a search evaluated: it asks for the same ones at many limits.
+  /// Results of choices that were evaluated: a search asks for the same ones at many limits.
   std::shared_ptr<std::map<OptionChoice, std::vector<RequirementResult>>> evaluated = nullptr;
 
   /// A spec with these filters and gains.
