@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/tracked_arm.hpp"
@@ -477,6 +479,30 @@ TEST(DiagnoseTip, FindsNothingForACleanPlanarArmOfCoarseEncodersAndAnExactTracke
     said += std::to_string(seed) + ": " + summary(d) + "; ";
   }
   EXPECT_LE(alarms, 1) << said;
+}
+
+/// From point to point, with rests: at each rest the quantization error is another number, and a few numbers
+/// look like play, a scale or a coupling.
+TEST(DiagnoseTip, FindsNothingForACleanArmThatRestsAtTwentyPoints) {
+  std::string said;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Dice dice(7200 + seed);
+    const std::size_t joints = 2 + dice.below(3);
+    const Arm arm = random_arm(dice, joints);
+    const std::vector<double> resolution(joints, 6.2831853 / std::exp2(13 + dice.below(4)));
+    Record r = motion(dice, joints, 2000);
+    for (Eigen::Index j = 0; j < r.joints.rows(); ++j) {
+      double from = 0, to = 0;
+      for (Eigen::Index k = 0; k < 2000; ++k) {
+        if (k % 100 == 0) from = std::exchange(to, dice.below(3) == 0 ? to : dice.between(-1.2, 1.2));
+        r.joints(j, k) = std::lerp(
+            from, to, 0.5 - 0.5 * std::cos(0.02 * std::numbers::pi * std::min<Eigen::Index>(k % 100, 50)));
+      }
+    }
+    const Diagnosis d = judge(arm.model(resolution), log_of(dice, arm, r, resolution, 3e-6));
+    if (d.verdict != Verdict::nothing_wrong) said += std::to_string(seed) + ": " + summary(d) + "; ";
+  }
+  EXPECT_EQ(said, "");
 }
 
 /// A planar arm whose tip is logged across its plane only.

@@ -214,6 +214,33 @@ Eigen::Isometry3d rigid_alignment(const Eigen::Matrix3Xd& from, const Eigen::Mat
   return moved;
 }
 
+// Sub-count phases of a path that is known from the readings only [counts]. While a joint moves, the smooth
+// path follows it within the counts, and one phase stands for all edges; a joint that rests is anywhere
+// within its count, at each rest elsewhere. Between rests the phase goes from one to the next.
+Eigen::ArrayXd drawn_phases(const Evidence& e, std::uint64_t seed, std::uint64_t draw) {
+  const auto still = [&](Eigen::Index k) {  // from row k to the next: smoothing leaves what is constant
+    return k >= 0 && k + 1 < e.rows() && std::abs(e.path[k + 1] - e.path[k]) < 1e-6 * e.step();
+  };
+  std::uint64_t rest = 0;
+  double phase = unit_interval(random_bits(seed, rest, draw));
+  Eigen::ArrayXd phases(e.rows());
+  Eigen::Index moving = 0;  // the first row behind the last rest
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    if (!still(k - 1) && !still(k)) continue;
+    if (!still(k - 1)) {
+      const double next = unit_interval(random_bits(seed, ++rest, draw));
+      for (Eigen::Index i = moving; i < k; ++i)
+        phases[i] =
+            std::lerp(phase, next, static_cast<double>(i + 1 - moving) / static_cast<double>(k + 1 - moving));
+      phase = next;
+    }
+    phases[k] = phase;
+    moving = k + 1;
+  }
+  phases.tail(e.rows() - moving) = phase;
+  return phases;
+}
+
 }  // namespace
 
 SecondOrder second_order(const TipPose& p, const Chain& chain, const Eigen::MatrixXd& to_joints,
@@ -413,14 +440,13 @@ void TipModel::fit() {
 
 /// Quantization errors of all encoders in every row, for one draw of their sub-count phases, less their mean.
 Eigen::MatrixXd TipModel::drawn_errors(std::uint64_t draw) const {
-  const std::uint64_t phases = stream_seed(seed_, "tip phases");
   Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(evidence_->rows(), evidence_->to_joints.cols());
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
     if (!evidence_->judged(i)) continue;
     const Evidence& e = evidence_->encoders[i];
-    const double phase = e.step() * unit_interval(random_bits(phases, i, draw));
+    const Eigen::ArrayXd phases = drawn_phases(e, stream_seed(seed_, "tip phases", i), draw);
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
-      const double x = e.path[k] + phase;
+      const double x = e.path[k] + e.step() * phases[k];
       errors(k, static_cast<Eigen::Index>(i)) = quantize(e.encoder, x) - x - mean_error(e.encoder);
     }
   }
