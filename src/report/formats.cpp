@@ -162,8 +162,8 @@ RowsOf<ChangedValue> rows(Of<ChangedValue>) {
 RowsOf<Spec> rows(Of<Spec>) {
   return {{"file", &Spec::file},
           {"sha256", &Spec::sha256, "of the file's bytes"},
-          {"set", [](auto& s) { return s.overrides | std::views::transform(changed_value); },
-           "the values that --set replaced", optional}};
+          {"set", [](auto& s) { return each(s.overrides, changed_value); }, "the values that --set replaced",
+           optional}};
 }
 
 RowsOf<Interval> rows(Of<Interval>) {

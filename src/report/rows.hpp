@@ -59,6 +59,15 @@ Json or_null(Json schema);
 
 }  // namespace schema
 
+/// What `of` makes of each item, as a list. (Clang 14 does not accept the views of GCC 12's library.)
+template <class Item, class Of>
+auto each(const std::vector<Item>& items, Of of) {
+  std::vector<std::decay_t<std::invoke_result_t<Of&, const Item&>>> values;
+  values.reserve(items.size());
+  for (const Item& item : items) values.push_back(std::invoke(of, item));
+  return values;
+}
+
 /// A schema that the type of the value does not tell.
 struct Schema {
   Json json;

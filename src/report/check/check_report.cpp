@@ -99,13 +99,11 @@ RowsOf<BaselineCheck> rows(Of<BaselineCheck>) {
   return {{"file", &BaselineCheck::file},
           {"tolerance", &BaselineCheck::tolerance, "relative"},
           {"compared", &BaselineCheck::compared, "figures that both have"},
-          {"missing", [](auto& b) { return b.missing | std::views::transform(&NamedFigure::name); },
+          {"missing", [](auto& b) { return each(b.missing, &NamedFigure::name); },
            "figures that only the baseline has"},
-          {"dropped_requirements",
-           [](auto& b) { return b.dropped_requirements | std::views::transform(required); },
+          {"dropped_requirements", [](auto& b) { return each(b.dropped_requirements, required); },
            "that only the baseline has"},
-          {"not_in_baseline",
-           [](auto& b) { return b.not_in_baseline | std::views::transform(&NamedFigure::name); },
+          {"not_in_baseline", [](auto& b) { return each(b.not_in_baseline, &NamedFigure::name); },
            "required figures that it lacks"}};
 }
 

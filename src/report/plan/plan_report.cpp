@@ -134,8 +134,7 @@ RowsOf<BetterMotion> rows(Of<BetterMotion>) {
           {"changed",
            [](auto& b) {
              const auto& joints = b.whole.spec.model.chain.independent;
-             return b.whole.plan.changed |
-                    std::views::transform([&](std::size_t j) { return joints[j].name; });
+             return each(b.whole.plan.changed, [&](std::size_t j) { return joints[j].name; });
            },
            "joints"},
           {"joints", [](auto& b) { return b.whole.plan.joints_better; }}};

@@ -136,8 +136,7 @@ RowsOf<ReportedEnd> rows(Of<ReportedEnd>) {
           {"moving_joints", [](auto& end) { return end->joints.size(); }},
           {"kind", [](auto& end) { return end_kind_name(end->kind); }},
           {"joints", [](auto& end) {
-             return end->joints |
-                    std::views::transform([&](std::size_t i) { return end.whole.robot.joints[i].name; });
+             return each(end->joints, [&](std::size_t i) { return end.whole.robot.joints[i].name; });
            }}};
 }
 
