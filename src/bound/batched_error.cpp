@@ -31,16 +31,15 @@ class AlongMotion {
   void add(const ErrorAlongMotion& error, const ErrorPlan& plan) {
     const std::size_t m = layout_.coordinates;
     for (std::size_t c = 0; c < plan.coordinates; ++c) {
-      const auto row = static_cast<Eigen::Index>(c);
-      widen(layout_.worst_case + c, error.tip.peak[row]);
-      if (plan.rigorous) widen(layout_.rigorous + c, error.tip.peak[row]);
-      if (!plan.keep_covariance) scatter(layout_.sigma + c, error.tip.covariance(row, row));
+      widen(layout_.worst_case + c, error.tip.peak[c]);
+      if (plan.rigorous) widen(layout_.rigorous + c, error.tip.peak[c]);
+      if (!plan.keep_covariance) scatter(layout_.sigma + c, error.tip.covariance(c, c));
       for (std::size_t f = 0; f < plan.filters; ++f) {
         const SignalMoments& behind = error.filtered[f];
-        widen(layout_.filtered_worst + f * m + c, behind.peak[row]);
-        scatter(layout_.filtered_sigma + f * m + c, behind.covariance(row, row));
+        widen(layout_.filtered_worst + f * m + c, behind.peak[c]);
+        scatter(layout_.filtered_sigma + f * m + c, behind.covariance(c, c));
         if (layout_.in_motion < layout_.trace)
-          scatter(layout_.in_motion + f * m + c, behind.covariance(row, row));
+          scatter(layout_.in_motion + f * m + c, behind.covariance(c, c));
       }
     }
   }
@@ -114,7 +113,7 @@ std::vector<double> BatchedError::take_sums() {
 namespace {
 
 bool any_of_kind(const std::vector<Coordinate>& coordinates, bool (*kind)(Coordinate)) {
-  return std::any_of(coordinates.begin(), coordinates.end(), kind);
+  return std::ranges::any_of(coordinates, kind);
 }
 
 /// x y z, or x y z rx ry rz.
@@ -188,12 +187,12 @@ void PlannedError::add_error(const OperationalModel& model, const IndependentErr
     const Eigen::Vector3d direction =
         e.link == 0 ? along : Eigen::Vector3d(chain_.link_axes[e.link - 1] * along);
     part.link = e.link;
-    std::copy(direction.begin(), direction.end(), part.direction);
+    std::ranges::copy(direction, part.direction);
   } else {
     const Eigen::VectorXd moved = scale * moved_joints(model.transmission, e);
     for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
       const ChainJoint& joint = model.chain.joints[k];
-      const double weight = joint.multiplier * moved[static_cast<Eigen::Index>(joint.coordinate)];
+      const double weight = joint.multiplier * moved[joint.coordinate];
       if (weight != 0) weights.push_back({k, weight});
     }
   }
@@ -208,7 +207,7 @@ void PlannedError::set_direct() {
     if (weights_[p].size() == 1) part_of[weights_[p].front().joint] = p;
     plan_.direct = weights_[p].size() == 1;
   }
-  plan_.direct = plan_.direct && std::count(part_of.begin(), part_of.end(), parts_.size()) == 0;
+  plan_.direct = plan_.direct && std::ranges::count(part_of, parts_.size()) == 0;
   if (!plan_.direct) return;
   std::vector<ErrorPart> parts;
   std::vector<std::vector<JointWeight>> weights;
@@ -238,7 +237,7 @@ void PlannedError::set_remainder(const OperationalModel& model) {
   plan_.angle = r.rotation_angle;
   for (std::size_t k = 0; k < column_scale_.size(); ++k) {
     const double scale = std::abs(column_scale_[k]);
-    per_column_.push_back(scale > 0 ? r.per_column[static_cast<Eigen::Index>(k)] / scale : 0);
+    per_column_.push_back(scale > 0 ? r.per_column[k] / scale : 0);
   }
   plan_.per_column = per_column_.data();
 }

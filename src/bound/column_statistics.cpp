@@ -144,12 +144,11 @@ void ColumnStatistics::set(Statistic& s, const JoinedTally& tally, const OrderSt
 
 namespace {
 
-/// The forms of all models at one coordinate.
 class CoordinateForms {
  public:
   CoordinateForms(const ErrorColumns& columns, std::size_t coordinate, std::span<const ColumnModel> models,
                   std::vector<Workspace>& results)
-      : columns_(columns), c_(coordinate), row_(static_cast<Eigen::Index>(coordinate)) {
+      : columns_(columns), c_(coordinate), row_(coordinate) {
     for (std::size_t m = 0; m < models.size(); ++m) {
       add_bounds(models[m], results[m]);
       for (std::size_t f = 0; f < models[m].filters->size(); ++f) add_filtered(models[m], f, results[m]);
@@ -158,7 +157,7 @@ class CoordinateForms {
 
   /// Those of one shape side by side.
   std::span<const ColumnForm> all() {
-    std::stable_sort(all_.begin(), all_.end(), [](const ColumnForm& a, const ColumnForm& b) {
+    std::ranges::stable_sort(all_, [](const ColumnForm& a, const ColumnForm& b) {
       return std::tuple(a.squared, a.columns, !a.means) < std::tuple(b.squared, b.columns, !b.means);
     });
     return all_;
@@ -231,14 +230,13 @@ Statistic affine(Statistic s, double less, double factor, double more) {
 void add_derivatives(const ColumnModel& m, Workspace& w) {
   for (std::size_t f = 0; f < m.filters->size(); ++f)
     for (std::size_t c = 0; c < w.coordinates.size(); ++c) {
-      const auto row = static_cast<Eigen::Index>(c);
       const ErrorWeights::Filtered& own = m.weights.filtered[f];
       DerivativeStatistics& s = w.derivatives[f][c];
       if (!m.weights.biased())
-        s.worst_case = CoordinateForms::is_plain(*m.model)
-                           ? scaled(w.coordinates[c].worst_case, own.l1)
-                           : affine(w.coordinates[c].worst_case, m.weights.added_worst[row], own.l1,
-                                    own.added_worst[row]);
+        s.worst_case =
+            CoordinateForms::is_plain(*m.model)
+                ? scaled(w.coordinates[c].worst_case, own.l1)
+                : affine(w.coordinates[c].worst_case, m.weights.added_worst[c], own.l1, own.added_worst[c]);
       if (s.sigma && CoordinateForms::is_plain(*m.model))
         s.sigma = scaled(w.coordinates[c].sigma, (*m.filters)[f].h2);
     }
@@ -246,12 +244,11 @@ void add_derivatives(const ColumnModel& m, Workspace& w) {
 
 Eigen::MatrixXd variance_parts(const ColumnStatistics& columns, const OperationalModel& model) {
   Eigen::MatrixXd parts =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model.coordinates.size()),
-                            static_cast<Eigen::Index>(model.transmission.encoders.size()));
+      Eigen::MatrixXd::Zero(std::ssize(model.coordinates), std::ssize(model.transmission.encoders));
   for (Eigen::Index c = 0; c < parts.rows(); ++c) {
     const auto coordinate = static_cast<std::size_t>(c);
     for (const IndependentError& e : independent_errors(model))
-      parts(c, static_cast<Eigen::Index>(e.owner)) +=
+      parts(c, e.owner) +=
           columns.mean_square(coordinate, columns.columns().column_of(e)) * (e.sigma * e.sigma);
   }
   return parts;
@@ -261,7 +258,7 @@ Eigen::MatrixXd variance_parts(const ColumnStatistics& columns, const Operationa
 
 bool have_columns(const OperationalModel& model) {
   return model.lengths.empty() && model.signals.empty() &&
-         std::none_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
+         std::ranges::none_of(model.coordinates, is_euler_angle);
 }
 
 std::vector<Workspace> workspaces(const ColumnStatistics& columns, std::span<const ColumnModel> models) {

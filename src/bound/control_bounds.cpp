@@ -24,12 +24,11 @@ double largest_kd(const OperationalModel& model, std::size_t joint, Bound bound,
   const JointController& c = model.control->joints[joint];
   const ResponseSums sums = response_sums(c.velocity_filter);
   const JointError error = joint_error(model);
-  const auto j = static_cast<Eigen::Index>(joint);
   const auto met = [&](double kd) {
     const double torque = bound == Bound::worst_case
-                              ? sums.l1(c.kp, kd) * error.half_width[j] +
-                                    std::abs(c.kp + kd * sums.dc) * std::abs(error.mean[j])
-                              : sums.h2(c.kp, kd) * error.sigma[j];
+                              ? sums.l1(c.kp, kd) * error.half_width[joint] +
+                                    std::abs(c.kp + kd * sums.dc) * std::abs(error.mean[joint])
+                              : sums.h2(c.kp, kd) * error.sigma[joint];
     return torque <= limit;
   };
   double lower = met(c.kd) ? c.kd : 0;
@@ -70,23 +69,22 @@ std::vector<OpenTorque> open_torques(const OperationalModel& model, const Eigen:
   const auto& joints = model.chain.independent;
   std::vector<IndependentError> errors = independent_errors(model);
   std::erase_if(errors, [](const auto& e) { return e.where == IndependentError::Where::origin; });
-  Eigen::MatrixXd moved(static_cast<Eigen::Index>(joints.size()), static_cast<Eigen::Index>(errors.size()));
-  for (Eigen::Index e = 0; e < moved.cols(); ++e)
-    moved.col(e) = moved_joints(t, errors[static_cast<std::size_t>(e)]);
+  Eigen::MatrixXd moved(std::ssize(joints), std::ssize(errors));
+  for (Eigen::Index e = 0; e < moved.cols(); ++e) moved.col(e) = moved_joints(t, errors[e]);
   std::vector<ResponseSums> sums(joints.size());
   for (std::size_t j = 0; j < joints.size(); ++j)
     if (control.joints[j].kd > 0) sums[j] = response_sums(control.joints[j].velocity_filter);
   std::vector<OpenTorque> all;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!control.tip && !control.joints[j].acts()) continue;
-    OpenTorque r{j, 0, {}, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints.size()))};
+    OpenTorque r{j, 0, {}, Eigen::VectorXd::Zero(std::ssize(joints))};
     const Eigen::Index count = control.tip ? configurations.cols() : 1;
     for (Eigen::Index c = 0; c < count; ++c) {
       const Eigen::RowVectorXd norms = torque_norms(model, j, configurations.col(c), moved, sums);
       Eigen::VectorXd parts = Eigen::VectorXd::Zero(r.share.size());
       for (Eigen::Index e = 0; e < norms.size(); ++e) {
-        const IndependentError& error = errors[static_cast<std::size_t>(e)];
-        parts[static_cast<Eigen::Index>(error.owner)] += std::abs(norms[e]) * error.half_width;
+        const IndependentError& error = errors[e];
+        parts[error.owner] += std::abs(norms[e]) * error.half_width;
       }
       if (!(parts.sum() > 0)) continue;
       r.worst_case = std::max(r.worst_case, parts.sum());
@@ -103,7 +101,7 @@ namespace {
 /// Half of it is the largest error of a joint's reading that its counts make [rad or m].
 double count_of(const OperationalModel& model, std::size_t joint) {
   const Transmission& t = model.transmission;
-  return t.coupling.row(static_cast<Eigen::Index>(joint)).cwiseAbs().dot(resolutions(t));
+  return t.coupling.row(joint).cwiseAbs().dot(resolutions(t));
 }
 
 /// The range of a joint's inertia. @returns whether it is more than rounding
@@ -143,9 +141,8 @@ double lasting_error(const OperationalModel& model, std::size_t joint) {
   const Transmission& t = model.transmission;
   Eigen::VectorXd widths = widths_at_rest(*model.control, resolutions(t));
   for (Eigen::Index j = 0; j < widths.size(); ++j)  // of the own joint, limit_cycle counts it by its slope
-    if (static_cast<std::size_t>(j) != joint)
-      widths[j] += 2 * model.control->joints[static_cast<std::size_t>(j)].reading.of_position;
-  return 0.5 * t.coupling.row(static_cast<Eigen::Index>(joint)).cwiseAbs().dot(widths);
+    if (static_cast<std::size_t>(j) != joint) widths[j] += 2 * model.control->joints[j].reading.of_position;
+  return 0.5 * t.coupling.row(joint).cwiseAbs().dot(widths);
 }
 
 /// A joint's loop at inertias of its range, each evaluated once.

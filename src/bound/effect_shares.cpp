@@ -35,7 +35,7 @@ std::optional<Spread> combined(const Eigen::RowVectorXd& weights, const std::vec
   Spread sum;
   double variance = 0;
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const double w = weights[static_cast<Eigen::Index>(j)];
+    const double w = weights[j];
     if (w == 0) continue;
     const auto& s = joints[j].*quantity;
     if (!s) return std::nullopt;
@@ -80,7 +80,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
   }
   const Coupling to_encoders = model.transmission.coupling.inverse();
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const Eigen::RowVectorXd weights = to_encoders.row(static_cast<Eigen::Index>(i));
+    const Eigen::RowVectorXd weights = to_encoders.row(i);
     Usage u = usage.joints[i];
     u.position = combined(weights, usage.joints, &Usage::position);
     u.velocity = combined(weights, usage.joints, &Usage::velocity);
@@ -93,7 +93,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
                                        const RobotUsage& usage) {
   std::vector<EffectShare> shares;
   for (const Effect& e : effects) shares.push_back({e, independent_index(model.chain, e.joint), {}, false});
-  const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  const auto n = std::ssize(model.transmission.encoders);
   // Worst case so far, and the white part of it.
   Eigen::MatrixX2d at_joints = Eigen::MatrixX2d::Zero(n, 2), at_encoders = at_joints;
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
@@ -103,7 +103,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
       // The zero is anywhere within a count; along a motion `change_with_zero` has what that changes.
       for (std::size_t i = 0; i < usage.encoders.size(); ++i)
         if (!usage.encoders[i].duration)
-          at_encoders.row(static_cast<Eigen::Index>(i)).array() +=
+          at_encoders.row(i).array() +=
               0.5 * model.transmission.encoders[i].resolution;  // it adds nothing to sigma
     }
     Eigen::MatrixX2d& before = at_joint(current) ? at_joints : at_encoders;
@@ -171,8 +171,7 @@ std::vector<IndependentError> error_sources(const OperationalModel& model,
       source.sigma_ratios.push_back(sigma_ratio(
           s, norms[f], f < step_energies.size() ? std::optional(step_energies[f]) : std::nullopt));
     if (model.control && s.share->spectrum != Spectrum::white)  // not known in the joints' loops
-      source.sigma_ratios.resize(norms.size() + 2 * model.control->joints.size(),
-                                 std::numeric_limits<double>::quiet_NaN());
+      source.loop_ratios.assign(model.control->joints.size(), {NAN, NAN});
     sources.push_back(std::move(source));
   }
   return sources;

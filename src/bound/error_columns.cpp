@@ -22,7 +22,7 @@ Eigen::Matrix3d axes_before(const Chain& chain, const Eigen::VectorXd& q, std::s
     const ChainJoint& joint = chain.joints[k];
     axes = axes * joint.origin.linear();
     if (joint.prismatic) continue;
-    const double angle = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    const double angle = joint.multiplier * q[joint.coordinate] + joint.offset;
     axes = axes * Eigen::AngleAxisd(angle, joint.axis);
   }
   return axes;
@@ -40,9 +40,8 @@ Eigen::VectorXd error_column(const IndependentError& s, const OperationalModel& 
   if (model.frame == CoordinateFrame::tip) shift = rotation.transpose() * shift;
   Eigen::VectorXd column = Eigen::VectorXd::Zero(joint_rows.rows());
   for (std::size_t k = 0; k < model.coordinates.size(); ++k) {
-    const auto c = static_cast<Eigen::Index>(k);
     const Coordinate coordinate = model.coordinates[k];
-    if (is_position(coordinate)) column[c] = shift[static_cast<Eigen::Index>(coordinate)];
+    if (is_position(coordinate)) column[k] = shift[static_cast<Eigen::Index>(coordinate)];
   }
   return column;
 }
@@ -56,8 +55,7 @@ bool same_place(const IndependentError& a, const IndependentError& b) {
 }
 
 bool needs_rotation(const OperationalModel& model) {
-  return model.frame == CoordinateFrame::tip ||
-         std::any_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
+  return model.frame == CoordinateFrame::tip || std::ranges::any_of(model.coordinates, is_euler_angle);
 }
 
 }  // namespace
@@ -73,7 +71,7 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Inde
   for (std::size_t e = 0; e < encoders; ++e) places_.push_back({IndependentError::Where::encoder, e});
   for (IndependentError s : sources) {
     if (!coupled_ && s.where == IndependentError::Where::joint) continue;
-    if (std::none_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); }))
+    if (std::ranges::none_of(places_, [&](const auto& p) { return same_place(p, s); }))
       places_.push_back(std::move(s));
   }
   set_plain(model);
@@ -99,17 +97,15 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Inde
 
 /// Columns that are sums of columns of the joint Jacobian in the base frame.
 void ErrorColumns::set_plain(const OperationalModel& model) {
-  const bool at_origins = std::any_of(places_.begin(), places_.end(), [](const IndependentError& p) {
-    return p.where == IndependentError::Where::origin;
-  });
+  const bool at_origins = std::ranges::any_of(
+      places_, [](const IndependentError& p) { return p.where == IndependentError::Where::origin; });
   if (needs_rotation(model) || at_origins || !model.signals.empty()) return;
-  of_joints_.resize(static_cast<Eigen::Index>(joints_), static_cast<Eigen::Index>(columns()));
+  of_joints_.resize(joints_, columns());
   for (std::size_t k = 0; k < columns(); ++k) {
     const Eigen::VectorXd moved = moved_joints(model.transmission, places_[k]);
     for (std::size_t j = 0; j < joints_; ++j) {
       const ChainJoint& joint = model.chain.joints[j];
-      of_joints_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) =
-          joint.multiplier * moved[static_cast<Eigen::Index>(joint.coordinate)];
+      of_joints_(j, k) = joint.multiplier * moved[joint.coordinate];
     }
   }
 }
@@ -119,7 +115,7 @@ void ErrorColumns::mix_batch(const OperationalModel& model, std::size_t first, c
   for (std::size_t c = 0; c < coordinates_; ++c)
     for (std::size_t k = 0; k < columns(); ++k)
       for (std::size_t j = 0; j < joints_; ++j) {
-        const double weight = of_joints_(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k));
+        const double weight = of_joints_(j, k);
         const double* const from =
             jacobians + (6 * j + static_cast<std::size_t>(model.coordinates[c])) * batch_size;
         double* const to = &values_[(c * columns() + k) * padded_ + first];
@@ -137,19 +133,19 @@ void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t firs
                                  const double* jacobians) {
   const bool rotated = needs_rotation(model);
   const std::size_t encoders = model.transmission.encoders.size();
-  Jacobian joints(6, static_cast<Eigen::Index>(joints_));
-  Eigen::VectorXd at(static_cast<Eigen::Index>(encoders));
+  Jacobian joints(6, joints_);
+  Eigen::VectorXd at(encoders);
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   for (std::size_t i = 0; i < std::min(batch_size, count_ - first); ++i) {
     for (std::size_t e = 0; e < 6 * joints_; ++e)
       joints.data()[e] = jacobians[e * batch_size + i];  // column-major
-    for (std::size_t j = 0; j < encoders; ++j) at[static_cast<Eigen::Index>(j)] = q[j * batch_size + i];
+    for (std::size_t j = 0; j < encoders; ++j) at[j] = q[j * batch_size + i];
     if (rotated) rotation = forward_kinematics(model.chain, at).linear();
     Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, rotation, model.frame);
     const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
     for (Eigen::Index c = 0; c < rows.rows(); ++c)
       if (unbounded[c]) rows.row(c).setZero();
-    Eigen::MatrixXd joint_rows(static_cast<Eigen::Index>(coordinates_), static_cast<Eigen::Index>(encoders));
+    Eigen::MatrixXd joint_rows(coordinates_, encoders);
     joint_rows << to_independent(model.chain, rows), signal_rows(model, at);
     const Eigen::MatrixXd encoder_rows = joint_rows * model.transmission.coupling;
     for (std::size_t k = 0; k < columns(); ++k) {
@@ -162,26 +158,25 @@ void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t firs
       }
     }
     for (std::size_t j = 0; j < joints_; ++j)
-      norms_[j * padded_ + first + i] = joints.col(static_cast<Eigen::Index>(j)).head<3>().norm();
+      norms_[j * padded_ + first + i] = joints.col(j).head<3>().norm();
   }
 }
 
 bool ErrorColumns::has_column(const IndependentError& s) const {
   return (!coupled_ && s.where == IndependentError::Where::joint) ||
-         std::any_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
+         std::ranges::any_of(places_, [&](const auto& p) { return same_place(p, s); });
 }
 
 std::size_t ErrorColumns::column_of(const IndependentError& s) const {
   if (!coupled_ && s.where == IndependentError::Where::joint) return s.owner;
-  const auto found =
-      std::find_if(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
+  const auto found = std::ranges::find_if(places_, [&](const auto& p) { return same_place(p, s); });
   if (found == places_.end()) throw std::logic_error("no column for this error source");
-  return static_cast<std::size_t>(found - places_.begin());
+  return found - places_.begin();
 }
 
 namespace {
 
-Eigen::VectorXd zeros(std::size_t count) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count)); }
+Eigen::VectorXd zeros(std::size_t count) { return Eigen::VectorXd::Zero(count); }
 
 /// @param noise  of the filter in a motion [quantization intervals]; null: not known
 ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const OperationalModel& model,
@@ -203,8 +198,7 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
     Eigen::VectorXd variance = zeros(columns.columns());
     const Eigen::VectorXd ratios = sigma_ratios(errors, filter, norms.h2, beside_noise_in_motion);
     for (std::size_t i = 0; i < count; ++i)
-      variance[static_cast<Eigen::Index>(columns.column_of(errors[i]))] +=
-          std::pow(errors[i].sigma * ratios[static_cast<Eigen::Index>(i)], 2);
+      variance[columns.column_of(errors[i])] += std::pow(errors[i].sigma * ratios[i], 2);
     return variance;
   };
   w.variance_of_quantization = of_errors(model.transmission.encoders.size(), false);

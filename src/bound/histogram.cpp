@@ -38,7 +38,7 @@ Histogram::Histogram(std::int32_t lowest, const CountedBins& counted, const Usua
     : lowest_(lowest),
       counted_(within_span(counted, lowest)),
       usual_(within_span(usual, lowest)),
-      few_(static_cast<std::size_t>(usual_.count)) {}
+      few_(usual_.count) {}
 
 std::int32_t Histogram::lowest_bin(std::int32_t typical) {
   constexpr std::int32_t of_one = 1023, largest = of_one + 900;
@@ -100,7 +100,7 @@ double Histogram::order_statistic(std::uint64_t rank, double min, double max) co
 }
 
 std::size_t Histogram::index(std::int32_t leading) const {
-  return static_cast<std::size_t>(std::clamp(leading - lowest_, 0, last_bin));
+  return std::clamp(leading - lowest_, 0, last_bin);
 }
 
 std::uint64_t Histogram::in_the_middle() const {
@@ -112,7 +112,7 @@ std::uint64_t Histogram::in_the_middle() const {
 std::uint64_t Histogram::count_of(std::size_t bin) const {
   const std::int64_t of_usual = lowest_ + static_cast<std::int64_t>(bin) - usual_.first;
   const bool usual = of_usual >= 0 && of_usual < usual_.count;
-  return (usual ? few_[static_cast<std::size_t>(of_usual)] : 0) + (many_.empty() ? 0 : many_[bin]);
+  return (usual ? few_[of_usual] : 0) + (many_.empty() ? 0 : many_[bin]);
 }
 
 void Histogram::add_unusual(std::int32_t leading) {

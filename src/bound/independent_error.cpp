@@ -24,18 +24,20 @@ std::vector<IndependentError> independent_errors(const Transmission& t,
 Eigen::VectorXd moved_joints(const Transmission& t, const IndependentError& e) {
   const auto i = static_cast<Eigen::Index>(e.owner);
   if (e.where == IndependentError::Where::encoder) return t.coupling.col(i);
-  return Eigen::VectorXd::Unit(static_cast<Eigen::Index>(t.encoders.size()), i);
+  return Eigen::VectorXd::Unit(std::ssize(t.encoders), i);
 }
 
 std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>& encoders,
-                                               const SigmaRatios& of_encoders, const SigmaRatios& of_gears) {
+                                               const std::vector<SigmaRatios>& of_encoders,
+                                               const std::vector<SigmaRatios>& of_gears) {
   std::vector<IndependentError> sources;
-  const auto add = [&](std::size_t encoder, double bound, const SigmaRatios& ratios) {
+  const auto add = [&](std::size_t encoder, double bound, const std::vector<SigmaRatios>& ratios) {
     if (!(bound > 0)) return;
     IndependentError source{IndependentError::Where::encoder, encoder};
     source.half_width = bound;
     source.sigma = bound / std::numbers::sqrt2;
-    source.sigma_ratios = ratios[encoder];
+    source.sigma_ratios = ratios[encoder].filters;
+    source.loop_ratios = ratios[encoder].loops;
     sources.push_back(std::move(source));
   };
   for (std::size_t i = 0; i < encoders.size(); ++i) {
@@ -46,16 +48,16 @@ std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>& encod
 }
 
 bool sigma_is_known(const std::vector<IndependentError>& sources, std::size_t filter) {
-  return std::none_of(sources.begin(), sources.end(), [&](const IndependentError& s) {
+  return std::ranges::none_of(sources, [&](const IndependentError& s) {
     return filter < s.sigma_ratios.size() && std::isnan(s.sigma_ratios[filter]);
   });
 }
 
 Eigen::VectorXd sigma_ratios(const std::vector<IndependentError>& sources, std::size_t filter, double h2,
                              bool beside_noise_in_motion) {
-  Eigen::VectorXd ratios = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(sources.size()), h2);
+  Eigen::VectorXd ratios = Eigen::VectorXd::Constant(std::ssize(sources), h2);
   for (std::size_t s = 0; s < sources.size(); ++s) {
-    double& ratio = ratios[static_cast<Eigen::Index>(s)];
+    double& ratio = ratios[s];
     if (filter < sources[s].sigma_ratios.size()) ratio = sources[s].sigma_ratios[filter];
     if (std::isnan(ratio) || (beside_noise_in_motion && sources[s].in_counts)) ratio = 0;
   }
@@ -64,7 +66,7 @@ Eigen::VectorXd sigma_ratios(const std::vector<IndependentError>& sources, std::
 
 JointError joint_error(const Transmission& t, const std::vector<IndependentError>& sources,
                        const SignalMoments* along_motion) {
-  const auto n = static_cast<Eigen::Index>(t.encoders.size());
+  const auto n = std::ssize(t.encoders);
   JointError e{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), {}, {}};
   Eigen::VectorXd variance = Eigen::VectorXd::Zero(n);
   for (const IndependentError& error : independent_errors(t, sources)) {

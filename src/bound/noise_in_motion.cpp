@@ -111,7 +111,7 @@ class ThresholdSearch {
     constexpr int steps = 150;
     const double finest = 0.1 / static_cast<double>(a_.r.size());
     for (int i = 0; i <= steps; ++i) grid_.push_back(0.5 * std::pow(2 * finest, i / double{steps}));
-    for (int i = steps; i >= 0; --i) grid_.push_back(-grid_[static_cast<std::size_t>(i)]);
+    for (int i = steps; i >= 0; --i) grid_.push_back(-grid_[i]);
   }
 
   double find() {
@@ -160,21 +160,20 @@ class ThresholdSearch {
   /// @returns the V at which its peak is 1
   double find_asymptotically() {
     for (const double part : grid_) excess_.push_back(excess(far + part));
-    const auto peak = std::max_element(excess_.begin(), excess_.end());
+    const auto peak = std::ranges::max_element(excess_);
     const auto peak_index = std::clamp<std::ptrdiff_t>(peak - excess_.begin(), 1, std::ssize(grid_) - 2);
     // Refine the grid at its peak by golden section search.
-    double above = grid_[static_cast<std::size_t>(peak_index - 1)],
-           below = grid_[static_cast<std::size_t>(peak_index + 1)];
+    double above = grid_[peak_index - 1], below = grid_[peak_index + 1];
     for (int i = 0; i < 20; ++i) {
       const double a = below + 0.382 * (above - below), b = below + 0.618 * (above - below);
       const bool a_is_less = excess(far + a) < excess(far + b);
       (a_is_less ? below : above) = a_is_less ? a : b;
     }
     const double part = 0.5 * (above + below), refined = excess(far + part);
-    const auto place = std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g < part; });
+    const auto place = std::ranges::find_if(grid_, [&](double g) { return g < part; });
     excess_.insert(excess_.begin() + (place - grid_.begin()), refined);
     grid_.insert(place, part);
-    const double largest = *std::max_element(excess_.begin(), excess_.end());
+    const double largest = *std::ranges::max_element(excess_);
     return far * largest * largest;
   }
 
@@ -186,7 +185,7 @@ class ThresholdSearch {
   }
 
   std::vector<double> up_to(double part) const {
-    return {std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g <= part; }), grid_.end()};
+    return {std::ranges::find_if(grid_, [&](double g) { return g <= part; }), grid_.end()};
   }
 
   /// The crossing above the largest V = p + part outside the tolerance; 0: all are within.
@@ -195,7 +194,7 @@ class ThresholdSearch {
       const double low = p + part;
       if (low <= 0) break;
       if (!outside(low)) continue;
-      const auto next = std::find(grid_.begin(), grid_.end(), part);
+      const auto next = std::ranges::find(grid_, part);
       const double high = next == grid_.begin() ? low + 1e-3 : p + *(next - 1);
       if (outside(high)) return high;
       return bisect({low, high}, 50, [&](double v) { return outside(v); }).fails;

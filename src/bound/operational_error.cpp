@@ -21,10 +21,10 @@ double rigorous_bound(Coordinate c, double linear, const LinearizationRemainder&
 void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::Matrix3d& tip_rotation,
                  const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows,
                  OperationalError& e) {
-  e.added_sigma.resize(joint_rows.rows(), static_cast<Eigen::Index>(model.sources.size()));
+  e.added_sigma.resize(joint_rows.rows(), std::ssize(model.sources));
   e.added_worst.resizeLike(e.added_sigma);
   for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
-    const IndependentError& s = model.sources[static_cast<std::size_t>(i)];
+    const IndependentError& s = model.sources[i];
     const Eigen::VectorXd column = error_column(s, model, q, tip_rotation, joint_rows, encoder_rows);
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
@@ -94,8 +94,7 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
   const double position_remainder = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
   e.rigorous.resize(e.sigma.size());
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
-    e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r,
-                                   position_remainder);
+    e.rigorous[i] = rigorous_bound(model.coordinates[i], e.worst_case[i], r, position_remainder);
   if (model.along_motion) {
     const SignalMoments& tip = model.along_motion->tip;
     const Eigen::Index m = e.sigma.size();
@@ -152,13 +151,13 @@ ErrorEllipsoid error_ellipsoid(const Eigen::Matrix3d& covariance) {
 
 LinearizationRemainder linearization_remainder(const Chain& chain, const Eigen::VectorXd& largest) {
   LinearizationRemainder r;
-  r.per_column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.joints.size()));
+  r.per_column = Eigen::VectorXd::Zero(std::ssize(chain.joints));
   double before = 0;   // S_{k-1}
   double carried = 0;  // sum_{i<k} per_column_i: R_i grows by h_k (R_k or 1)
   double axes = 0;     // sum_k h_k S_{k-1} / 2
   for (Eigen::Index k = 0; k < r.per_column.size(); ++k) {
-    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(k)];
-    const double h = std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
+    const ChainJoint& joint = chain.joints[k];
+    const double h = std::abs(joint.multiplier) * largest[joint.coordinate];
     if (joint.prismatic) {
       r.position += (before + carried) * h;
       continue;

@@ -48,7 +48,6 @@ std::vector<std::string> signal_names(const OperationalModel& model) {
 
 namespace {
 
-/// Moments of one signal.
 SignalMoments moments_of(const SignalMoments& all, Eigen::Index signal) {
   return {all.mean.segment(signal, 1), all.peak.segment(signal, 1),
           all.covariance.block(signal, signal, 1, 1)};

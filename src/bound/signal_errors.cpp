@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bound/signals/signals.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
@@ -13,28 +14,26 @@ namespace {
 
 /// Derivative of the independent joints with respect to each error; 0 for origins.
 Eigen::MatrixXd moved_by(const std::vector<IndependentError>& errors, const Transmission& t) {
-  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(t.encoders.size()),
-                                                static_cast<Eigen::Index>(errors.size()));
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(std::ssize(t.encoders), std::ssize(errors));
   for (Eigen::Index e = 0; e < moved.cols(); ++e)
-    if (const IndependentError& error = errors[static_cast<std::size_t>(e)];
-        error.where != IndependentError::Where::origin)
+    if (const IndependentError& error = errors[e]; error.where != IndependentError::Where::origin)
       moved.col(e) = moved_joints(t, error);
   return moved;
 }
 
 template <class Get>
 Eigen::VectorXd of_each(const std::vector<IndependentError>& errors, Get get) {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(errors.size()));
-  for (Eigen::Index e = 0; e < values.size(); ++e) values[e] = get(errors[static_cast<std::size_t>(e)]);
+  Eigen::VectorXd values(std::ssize(errors));
+  for (Eigen::Index e = 0; e < values.size(); ++e) values[e] = get(errors[e]);
   return values;
 }
 
 }  // namespace
 
 Eigen::MatrixXd signal_rows(const OperationalModel& model, const Eigen::VectorXd& q) {
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(model.signals.size()), q.size());
+  Eigen::MatrixXd rows(std::ssize(model.signals), q.size());
   for (Eigen::Index s = 0; s < rows.rows(); ++s) {
-    const Signal& signal = model.signals[static_cast<std::size_t>(s)];
+    const Signal& signal = model.signals[s];
     rows.row(s) = signal.kind->row(model, signal.index, q);
   }
   return rows;
@@ -54,16 +53,10 @@ SignalErrors::SignalErrors(const OperationalModel& model, const ErrorFigures& re
   mean_ = of_each(errors, [](const auto& e) { return e.mean; });
   const Eigen::VectorXd sigma = of_each(errors, [](const auto& e) { return e.sigma; });
   joints_ = joint_error(model).worst_case;
-  // Errors that are not white have ratios of the joints' loops behind those of the filters.
-  const std::size_t of_filters = requested.filters.size();
-  white_ = of_each(errors, [&](const auto& e) { return e.sigma_ratios.size() <= of_filters ? e.sigma : 0; });
+  white_ = of_each(errors, [](const auto& e) { return e.loop_ratios.empty() ? e.sigma : 0; });
   slow_ = sigma - white_;
-  for (const IndependentError& e : errors) {
-    std::vector<LoopRatio>& ratios = slow_ratios_.emplace_back();
-    for (std::size_t i = of_filters; i + 1 < e.sigma_ratios.size(); i += 2)
-      ratios.push_back({e.sigma_ratios[i], e.sigma_ratios[i + 1]});
-  }
-  const auto count = static_cast<Eigen::Index>(model.signals.size());
+  for (const IndependentError& e : errors) slow_ratios_.push_back(e.loop_ratios);
+  const auto count = std::ssize(model.signals);
   for (std::size_t f = 0; f <= requested.filters.size(); ++f) {
     Behind& b = behind_.emplace_back();
     b.peak = b.along_motion = Eigen::VectorXd::Zero(count);
@@ -95,14 +88,13 @@ double SignalErrors::remainder(std::size_t signal, const Eigen::VectorXd& q) con
 void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& q, const Eigen::VectorXd& column,
                        double* figures) const {
   const std::size_t at = model_.coordinates.size() + model_.lengths.size() + signal;
-  const auto row = static_cast<Eigen::Index>(signal);
   const Eigen::VectorXd squares = column.cwiseAbs2();
   const double width = column.cwiseAbs().dot(half_width_), mean = std::abs(column.dot(mean_));
   const auto write = [&](std::size_t block, double value) { figures[(block + at) * batch_size] = value; };
   for (std::size_t f = 0; f < behind_.size(); ++f) {
     const Behind& b = behind_[f];
-    const double worst = b.l1 * width + b.dc_gain * mean + b.peak[row];
-    const double sigma = std::sqrt(squares.dot(b.variance) + b.along_motion[row]);
+    const double worst = b.l1 * width + b.dc_gain * mean + b.peak[signal];
+    const double sigma = std::sqrt(squares.dot(b.variance) + b.along_motion[signal]);
     if (f == 0) {
       write(layout_.worst_case, worst);
       write(layout_.sigma, sigma);
@@ -113,7 +105,7 @@ void SignalErrors::set(std::size_t signal, const Eigen::VectorXd& q, const Eigen
     if (own_worst_) write(layout_.filtered_worst + filter, worst);
     if (own_sigma_) write(layout_.filtered_sigma + filter, sigma);
     if (b.in_motion.size() > 0)
-      write(layout_.in_motion + filter, std::sqrt(squares.dot(b.in_motion) + b.along_motion[row]));
+      write(layout_.in_motion + filter, std::sqrt(squares.dot(b.in_motion) + b.along_motion[signal]));
   }
 }
 
@@ -134,14 +126,14 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, cons
   for (Eigen::Index e = 0; e < slow_.size(); ++e) {
     if (slow_[e] == 0) continue;
     LoopsAt passed = loops;
-    passed.slow = &slow_ratios_[static_cast<std::size_t>(e)];
+    passed.slow = &slow_ratios_[e];
     variance += std::pow(s.kind->norms(model_, s.index, q, moved_.col(e), passed).l1[0] * slow_[e], 2);
   }
   if (model_.along_motion) {
     const SignalMoments& joints = model_.along_motion->joints;
     const Eigen::MatrixXd each = Eigen::MatrixXd::Identity(q.size(), q.size());
     LoopsAt passed = loops;
-    passed.slow = &model_.control->along_motion;
+    passed.slow = &model_.along_motion->in_loops;
     worst += sum(s.kind->norms(model_, s.index, q, each, loops).l1, joints.peak);
     variance += std::pow(
         sum(s.kind->norms(model_, s.index, q, each, passed).l1, joints.covariance.diagonal().cwiseSqrt()), 2);
@@ -160,7 +152,7 @@ void SignalErrors::set_closed(std::size_t signal, const Eigen::VectorXd& q, cons
 }
 
 void SignalErrors::operator()(const double* q, double* figures) {
-  Eigen::MatrixXd all(moved_.rows(), static_cast<Eigen::Index>(batch_size));
+  Eigen::MatrixXd all(moved_.rows(), batch_size);
   for (Eigen::Index i = 0; i < all.cols(); ++i)
     for (Eigen::Index j = 0; j < all.rows(); ++j) all(j, i) = q[j * all.cols() + i];
   loops_.move_to(all);
@@ -172,7 +164,7 @@ void SignalErrors::operator()(const double* q, double* figures) {
       if (is_closed(model_.signals[s]))
         set_closed(s, at, loops, figures + i);
       else
-        set(s, at, columns.row(static_cast<Eigen::Index>(s)).transpose(), figures + i);
+        set(s, at, columns.row(s).transpose(), figures + i);
   }
 }
 
@@ -195,12 +187,12 @@ double largest_corner(const Eigen::Vector3d& mean, const Eigen::Matrix3Xd& gener
 namespace {
 
 std::size_t index_of(const std::vector<Coordinate>& list, Coordinate c) {
-  return static_cast<std::size_t>(std::find(list.begin(), list.end(), c) - list.begin());
+  return std::ranges::find(list, c) - list.begin();
 }
 
 double length_at(const Eigen::VectorXd& values, const std::array<std::size_t, 3>& components) {
   double sum = 0;
-  for (const std::size_t c : components) sum += std::pow(values[static_cast<Eigen::Index>(c)], 2);
+  for (const std::size_t c : components) sum += std::pow(values[c], 2);
   return std::sqrt(sum);
 }
 
@@ -257,11 +249,10 @@ LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& re
 void LengthErrors::add_generator(const OperationalModel& model, const IndependentError& error) {
   const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);
   biased_ = biased_ || error.mean != 0;
-  Eigen::VectorXd of_joints(static_cast<Eigen::Index>(joints_));
+  Eigen::VectorXd of_joints(joints_);
   for (std::size_t k = 0; k < joints_; ++k) {
     const ChainJoint& joint = model.chain.joints[k];
-    of_joints[static_cast<Eigen::Index>(k)] =
-        joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    of_joints[k] = joint.multiplier * of_independent[joint.coordinate];
   }
   for (Generator& g : generators_)
     if (g.of_joints == of_joints) {
@@ -279,7 +270,7 @@ void LengthErrors::set_vectors(const Length& length) {
       double* const corner = &corners_[(3 * g + row) * batch_size];
       std::fill_n(corner, batch_size, 0.0);
       for (std::size_t k = 0; k < joints_; ++k) {
-        const double weight = generators_[g].of_joints[static_cast<Eigen::Index>(k)];
+        const double weight = generators_[g].of_joints[k];
         if (weight == 0) continue;
         const double* const column = &columns_[(6 * k + length.first + row) * batch_size];
         for (std::size_t c = 0; c < batch_size; ++c) corner[c] += column[c] * weight;

@@ -48,9 +48,9 @@ SampledBins::SampledBins(const std::int32_t* begin, const std::int32_t* end)
   }
   if (smallest == infinite) beyond = infinite;  // all values are infinite
   first_ = std::max(smallest, beyond - static_cast<std::int32_t>(bin_count));
-  counts_.resize(static_cast<std::size_t>(beyond - first_ + 1));
+  counts_.resize(beyond - first_ + 1);
   for (const std::int32_t* bin = begin; bin != end; ++bin)
-    ++counts_[static_cast<std::size_t>(std::clamp(*bin, first_, beyond) - first_)];
+    ++counts_[std::clamp(*bin, first_, beyond) - first_];
 }
 
 std::int32_t SampledBins::operator[](std::uint64_t rank) const {
@@ -71,7 +71,7 @@ CountedBins SampledBins::near_percentiles() const {
   std::vector<double> fractions;
   for (const StatisticKind& kind : statistic_kinds())
     if (kind.percentile >= 0) fractions.push_back(kind.percentile);
-  std::sort(fractions.begin(), fractions.end());
+  std::ranges::sort(fractions);
   const double lowest = fractions.front(), next = fractions[fractions.size() > 1];
   return {from(edge(lowest, -1)), edge(lowest, 1) + 1, from(edge(next, -1))};
 }
@@ -154,8 +154,8 @@ void WorkspaceJob::sweep() {
 
 bool WorkspaceJob::percentiles_are_counted() const {
   const std::vector<std::uint64_t> ranks = percentile_ranks(total_);
-  return std::all_of(histograms_.begin(), histograms_.end(), [&](const Histogram& h) {
-    return std::all_of(ranks.begin(), ranks.end(), [&](std::uint64_t rank) { return h.counts(rank); });
+  return std::ranges::all_of(histograms_, [&](const Histogram& h) {
+    return std::ranges::all_of(ranks, [&](std::uint64_t rank) { return h.counts(rank); });
   });
 }
 
@@ -299,8 +299,7 @@ double largest_coordinate(const Configurations& c, std::size_t joint) {
   if (c.method != SamplingMethod::list)
     return std::max(std::abs(c.ranges[joint].lower), std::abs(c.ranges[joint].upper));
   double largest = 0;
-  for (const Eigen::VectorXd& point : c.points)
-    largest = std::max(largest, std::abs(point[static_cast<Eigen::Index>(joint)]));
+  for (const Eigen::VectorXd& point : c.points) largest = std::max(largest, std::abs(point[joint]));
   return largest;
 }
 
@@ -356,8 +355,8 @@ class Summary {
     if (options_.brief) return s;
     s.worst_case_rigorous = statistic(figures_.rigorous + c);
     if (c >= m_) return s;  // without sums
-    s.share = above(1e-24, matrix(sums_.share).row(static_cast<Eigen::Index>(c)));
-    s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(static_cast<Eigen::Index>(c)));
+    s.share = above(1e-24, matrix(sums_.share).row(c));
+    s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(c));
     return s;
   }
 
@@ -389,9 +388,8 @@ class Summary {
     w.mean_variance_parts = matrix(sums_.variance_parts);
     w.mean_quantization_parts =
         job_.errors().has_sources() ? matrix(sums_.quantization_parts) : w.mean_variance_parts;
-    w.largest_arms.resize(static_cast<Eigen::Index>(encoders_));
-    for (std::size_t i = 0; i < encoders_; ++i)
-      w.largest_arms[static_cast<Eigen::Index>(i)] = job_.maximum(sums_.arms + i);
+    w.largest_arms.resize(encoders_);
+    for (std::size_t i = 0; i < encoders_; ++i) w.largest_arms[i] = job_.maximum(sums_.arms + i);
     if (job_.total() == 0) return;
     w.largest_at = draw(configurations_, job_.at_max(figures_.trace), 1).col(0);
     const OperationalError largest = operational_error(model_, w.largest_at);
@@ -416,14 +414,14 @@ class Summary {
 
   /// Coordinates x encoders.
   Eigen::MatrixXd matrix(std::size_t sum) const {
-    Eigen::MatrixXd m(static_cast<Eigen::Index>(m_), static_cast<Eigen::Index>(encoders_));
+    Eigen::MatrixXd m(m_, encoders_);
     for (Eigen::Index c = 0; c < m.rows(); ++c)
       for (Eigen::Index i = 0; i < m.cols(); ++i) m(c, i) = job_.mean_sum(sum++);
     return m;
   }
 
   Eigen::MatrixXd covariance(std::size_t sum) const {
-    Eigen::MatrixXd m(static_cast<Eigen::Index>(m_), static_cast<Eigen::Index>(m_));
+    Eigen::MatrixXd m(m_, m_);
     for (Eigen::Index r = 0; r < m.rows(); ++r)
       for (Eigen::Index c = 0; c <= r; ++c) m(r, c) = m(c, r) = job_.mean_sum(sum++);
     return m;
@@ -449,7 +447,7 @@ const Statistic* statistic_of(const Workspace& w, const Figure& f) {
            : f.bound == Bound::worst_case_rigorous ? &position.worst_case_rigorous
                                                    : &position.sigma;
   }
-  const DerivativeStatistics& behind = w.derivatives[static_cast<std::size_t>(f.filter)][f.signal];
+  const DerivativeStatistics& behind = w.derivatives[f.filter][f.signal];
   return f.bound == Bound::worst_case           ? &behind.worst_case
          : f.bound == Bound::sigma              ? pointer(behind.sigma)
          : f.bound == Bound::sigma_quantization ? pointer(behind.sigma_quantization)

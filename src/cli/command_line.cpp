@@ -69,7 +69,7 @@ class Parser {
 
   Values parse() {
     const SortedWords sorted = sort_words(command_.options, with_optional_values());
-    const auto mark = std::find(sorted.others.begin(), sorted.others.end(), "--");
+    const auto mark = std::ranges::find(sorted.others, "--");
     for (auto at = sorted.others.begin(); at != mark; ++at)
       if (at->size() > 1 && at->starts_with('-')) refuse_option(*at);
     for (const Option& row : command_.options) add_values(row, sorted.texts.at(row.key()));
@@ -88,7 +88,7 @@ class Parser {
   /// argument. It would read `--seed=` as `--seed`, and `--quiet=true` as `--quiet`.
   Words with_optional_values() const {
     Words joined;
-    const auto mark = std::find(words_.begin(), words_.end(), "--");
+    const auto mark = std::ranges::find(words_, "--");
     for (auto at = words_.begin(); at != mark; ++at) {
       const Option* before = joined.empty() ? nullptr : option_of(command_.options, joined.back());
       if (before && before->kind == OptionKind::optional && before->is_value(*at)) {
@@ -221,7 +221,7 @@ std::size_t leading_words(const Words& words) {
 }
 
 bool asks_for(const Words& words, std::string_view long_name, std::string_view short_name) {
-  return std::any_of(words.begin(), std::find(words.begin(), words.end(), "--"),
+  return std::any_of(words.begin(), std::ranges::find(words, "--"),
                      [&](const std::string& word) { return word == long_name || word == short_name; });
 }
 

@@ -9,7 +9,6 @@ namespace {
 
 std::string spaced(const std::vector<std::string>& words) { return qerr::joined(words, " "); }
 
-/// The arguments of a command, in their order.
 std::vector<const Option*> arguments_of(const Command& command) {
   std::vector<const Option*> rows;
   for (const Option& row : command.options)

@@ -61,7 +61,7 @@ FilterQuestions questions(const Values& v) {
 void require_joints(const Spec& spec, const std::vector<MotionQuestion>& motions) {
   for (const MotionQuestion& m : motions) {
     const auto& joints = spec.model.chain.independent;
-    if (m.in_counts || std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& joint) {
+    if (m.in_counts || std::ranges::any_of(joints, [&](const IndependentJoint& joint) {
           return joint.prismatic() == m.length;
         }))
       continue;

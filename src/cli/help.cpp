@@ -37,7 +37,7 @@ bool is_global(const Option& row) { return find_named(global_options(), row.name
 
 template <class Choice>
 void add_options(Page& page, const std::string& title, const std::vector<Option>& rows, Choice choice) {
-  if (std::none_of(rows.begin(), rows.end(), choice)) return;
+  if (std::ranges::none_of(rows, choice)) return;
   page.blocks.push_back(heading(title));
   for (const Option& row : rows)
     if (choice(row))
@@ -72,8 +72,6 @@ Page command_page(const Command& command) {
   return page;
 }
 
-}  // namespace
-
 Page overview_page() {
   Page page{"",
             "bounds of the errors that a robot's encoders cause at its tip, and in filtered velocity and "
@@ -91,11 +89,13 @@ Page overview_page() {
   return page;
 }
 
+}  // namespace
+
 const std::vector<Page>& topics() {
   static const std::vector<Page> pages = [] {
     std::vector<Page> all;
     for (const std::string_view text : topic_texts()) all.push_back(parse_markdown(text));
-    std::sort(all.begin(), all.end(), [](const Page& a, const Page& b) { return a.name < b.name; });
+    std::ranges::sort(all, [](const Page& a, const Page& b) { return a.name < b.name; });
     return all;
   }();
   return pages;
@@ -200,13 +200,13 @@ std::size_t place_of(std::string_view word, std::string_view text) {
   for (auto from = text.begin();; ++from) {
     from = std::search(from, text.end(), word.begin(), word.end(), same);
     if (from == text.end()) return std::string_view::npos;
-    if (from == text.begin() || !is_letter(from[-1])) return static_cast<std::size_t>(from - text.begin());
+    if (from == text.begin() || !is_letter(from[-1])) return from - text.begin();
   }
 }
 
 bool has_all(const std::vector<std::string>& words, std::string_view text) {
-  return std::all_of(words.begin(), words.end(),
-                     [&](const std::string& word) { return place_of(word, text) != std::string_view::npos; });
+  return std::ranges::all_of(
+      words, [&](const std::string& word) { return place_of(word, text) != std::string_view::npos; });
 }
 
 /// The lines of a verbatim block, the rows of a table below its header, the text of any other block.
@@ -236,7 +236,7 @@ std::string excerpt(const std::string& text, const std::string& word) {
   const std::size_t end = std::min(text.find(' ', begin + most_shown_characters), text.size());
   std::string part = text.substr(begin, end - begin);
   // A mark whose other end is outside would reach over what follows.
-  if (std::count(part.begin(), part.end(), '`') % 2) std::erase(part, '`');
+  if (std::ranges::count(part, '`') % 2) std::erase(part, '`');
   return (begin ? "..." : "") + part + (end < text.size() ? " ..." : "");
 }
 
@@ -277,7 +277,7 @@ std::optional<Page> search_pages(const std::vector<std::string>& words) {
     if (found.rank > 0 || !found.places.empty()) all.push_back(std::move(found));
   }
   if (all.empty()) return std::nullopt;
-  std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
+  std::ranges::stable_sort(all, [](const Found& a, const Found& b) {
     return std::tie(a.rank, a.prose) > std::tie(b.rank, b.prose);
   });
   Page result{"help " + qerr::joined(words, " "), counted(all.size(), "page") + " of the help", {}};

@@ -187,7 +187,7 @@ Spec load(const std::string& path, const Values& v, const std::vector<std::strin
 }
 
 void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option) {
-  if (std::count(paths.begin(), paths.end(), "-") > 1)
+  if (std::ranges::count(paths, "-") > 1)
     throw usage(option, "only one input can be standard input", "'-'", "name the others as files");
 }
 
@@ -214,8 +214,7 @@ std::unique_ptr<OutputFile> opened(const Values& v, const std::string& option) {
 }
 
 std::unique_ptr<OutputFile> opened_report(const Values& v, std::initializer_list<const char*> others) {
-  const bool taken =
-      std::any_of(others.begin(), others.end(), [&](const char* o) { return v.text(o) == "-"; });
+  const bool taken = std::ranges::any_of(others, [&](const char* o) { return v.text(o) == "-"; });
   return taken && !v.given("output") && !v.given("format") ? nullptr : opened(v, "output");
 }
 
@@ -237,8 +236,8 @@ void require_own_endings(const std::vector<Option>& of_command, const Values& v)
 
 void require_known_ending(const std::vector<Option>& of_command, const Values& v) {
   require_own_endings(of_command, v);
-  const auto format = std::find_if(of_command.begin(), of_command.end(),
-                                   [](const Option& option) { return option.key() == "format"; });
+  const auto format =
+      std::ranges::find_if(of_command, [](const Option& option) { return option.key() == "format"; });
   if (format == of_command.end() || v.given("format")) return;
   const std::string ending = std::filesystem::path(v.text("output")).extension().string();
   const std::vector<std::string> known = format->choices();
@@ -284,9 +283,7 @@ void warn(const std::vector<std::string>& warnings, const Values& v) {
   const std::size_t width = message_width();
   for (std::size_t i = 0; i < warnings.size(); ++i) {
     const std::string& warning = warnings[i];
-    if (std::find(warnings.begin(), warnings.begin() + static_cast<std::ptrdiff_t>(i), warning) !=
-        warnings.begin() + static_cast<std::ptrdiff_t>(i))
-      continue;  // said
+    if (std::find(warnings.begin(), warnings.begin() + i, warning) != warnings.begin() + i) continue;  // said
     const std::string text = "warning: " + escaped(warning, 600);
     std::fputs((width > 0 ? wrapped(text, width, "  ", "") : text + '\n').c_str(), stderr);
   }
@@ -332,8 +329,9 @@ bool locale_is_utf8() {
   for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
     std::string locale = environment(name);
     if (locale.empty()) continue;
-    std::transform(locale.begin(), locale.end(), locale.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    std::ranges::transform(locale, locale.begin(), [](char c) {
+      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
     return locale.find("utf-8") != std::string::npos || locale.find("utf8") != std::string::npos;
   }
   return false;

@@ -50,7 +50,7 @@ Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
   if (!find_named(spec.filters, search.filter))
     throw usage("--cutoffs", "the spec has no such filter", quoted(search.filter),
                 did_you_mean(search.filter, names_of(spec.filters)));
-  if (std::none_of(spec.model.coordinates.begin(), spec.model.coordinates.end(), is_position))
+  if (std::ranges::none_of(spec.model.coordinates, is_position))
     throw usage("--cutoffs", "tracking errors are those of x, y and z", "none of them in the spec",
                 "add one to 'coordinates'");
   spec.filters.clear();

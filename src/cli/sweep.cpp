@@ -181,7 +181,7 @@ std::string format_of_sweep(const Values& v) {
 /// Whether the steps of an axis are read before the sweep: they change the number of configurations, or name
 /// files, which had better be missed now than after an hour.
 bool is_read_before(const SweepAxis& axis) {
-  return std::any_of(axis.keys.begin(), axis.keys.end(), [](const std::string& key) {
+  return std::ranges::any_of(axis.keys, [](const std::string& key) {
     return key.starts_with("configurations") || key.starts_with("motion") || key == "robot" ||
            key == "robot.urdf";
   });
@@ -347,7 +347,7 @@ int write_html(const SweepJob& job, const Values& v) {
 void require_requirements(const SweepGrid& grid, const Spec& spec, const Values& v) {
   const std::vector<std::string> keys = grid.keys();
   if (!v.given("check") || !spec.requirements.empty() ||
-      std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("requirements"); }))
+      std::ranges::any_of(keys, [](const auto& key) { return key.starts_with("requirements"); }))
     return;
   throw Error({spec.file, 1, 1}, "requirements", "the spec has none: there is nothing to check", "",
               "add requirements (qerr help requirements), or leave out --check");

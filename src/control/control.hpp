@@ -56,12 +56,6 @@ struct Wall {
 
 struct StatedLoop;  // loop_response.hpp
 
-/// Sigma of the true motion and of the torque in a joint's closed loop over that of the error of its reading;
-/// NaN: not known.
-struct LoopRatio {
-  double motion = 0, torque = 0;
-};
-
 /// The sections `control` and `walls` of a spec.
 struct Control {
   double sample_rate = 0;               ///< of the loops [Hz]
@@ -72,7 +66,6 @@ struct Control {
   /// The loop of each joint whose inertia is stated, evaluated when it is first asked for; equal loops are
   /// one. Set by `with_stated_loops`; else null.
   std::vector<std::shared_ptr<StatedLoop>> stated = {};
-  std::vector<LoopRatio> along_motion = {};  ///< [joint]: of the errors along the motion; empty: not known
 
   /// The delay of a joint's loop in samples, with that of its reading; within 1e-9 of an integer it is that.
   double samples_of_delay(std::size_t joint) const;

@@ -19,7 +19,7 @@ double Control::samples_of_delay(std::size_t joint) const {
 Eigen::VectorXd widths_at_rest(const Control& control, const Eigen::VectorXd& resolutions) {
   Eigen::VectorXd widths = resolutions;
   for (Eigen::Index j = 0; j < widths.size(); ++j)
-    widths[j] = 2 * control.joints[static_cast<std::size_t>(j)].reading.half_width(resolutions[j]);
+    widths[j] = 2 * control.joints[j].reading.half_width(resolutions[j]);
   return widths;
 }
 
@@ -113,11 +113,11 @@ Binary1024 value(const PolynomialInW& p, const Binary1024& x) {
 std::vector<Binary1024> positive_roots(PolynomialInW p) {
   remove_rounding(p);
   while (!p.empty() && p.back() == 0) p.pop_back();
-  const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
+  const auto start = std::ranges::find_if(p, [](const Binary1024& c) { return c != 0; });
   std::vector<Binary1024> positive;
   for (const Complex1024& r : roots({p.rbegin(), std::make_reverse_iterator(start)}))
     if (r.im == 0 && r.re > 0) positive.push_back(r.re);
-  std::sort(positive.begin(), positive.end());
+  std::ranges::sort(positive);
   return positive;
 }
 
@@ -139,7 +139,7 @@ std::vector<Critical> critical_points(const TransferRatio& open, double sample_r
       points.push_back({static_cast<double>(-value(size, x) / r), frequency(x, sample_rate)});
   if (open.a.back() * open.b.back() < 0)  // z = -1
     points.push_back({static_cast<double>(-open.a.back() / open.b.back()), 0.5 * sample_rate});
-  std::sort(points.begin(), points.end(), [](auto& x, auto& y) { return x.gain < y.gain; });
+  std::ranges::sort(points, [](auto& x, auto& y) { return x.gain < y.gain; });
   return points;
 }
 
@@ -322,8 +322,8 @@ LimitCycle limit_cycle(const LoopMargins& m, double motion, double torque, doubl
   if (slope * motion < 1) c.bound = std::min(c.bound, motion * lasting / (1 - slope * motion));
   c.torque_bound = torque * (lasting + std::min(of_position, slope * c.bound));
   c.torque_step = step * std::abs(reading.count) * count;
-  c.on_count = !m.absolutely_stable && std::any_of(m.critical_gains.begin(), m.critical_gains.end(),
-                                                   [&](double gain) { return gain <= largest_on_count; });
+  c.on_count = !m.absolutely_stable &&
+               std::ranges::any_of(m.critical_gains, [&](double gain) { return gain <= largest_on_count; });
   if (m.critical_frequency) {
     // Below one count the edge is a relay: N = 2/(pi A).
     c.on_edge = true;

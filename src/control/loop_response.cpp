@@ -8,6 +8,7 @@
 
 #include "control/kernels.hpp"
 #include "control/loop.hpp"
+#include "core/lists.hpp"
 #include "filter/run/cascade.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "lanes/batch.hpp"
@@ -197,8 +198,7 @@ class LoopRun {
     norms.fill({unstable, unstable});
     const LoopKernels& kernels = select_kernels<LoopKernels>(instruction_set());
     std::array<int, loops_of_run> quiet{};
-    for (std::size_t done = 0, length = first_block;
-         done < most_samples && std::find(running_.begin(), running_.end(), true) != running_.end();
+    for (std::size_t done = 0, length = first_block; done < most_samples && contains(running_, true);
          length += length / 8) {
       kernels.run(plan_, rows_.data(), done, length);
       done += length;
@@ -260,7 +260,7 @@ std::vector<LoopNorms> loop_norms(const JointController& c, const std::vector<do
   for (std::size_t i = 0; i < inertias.size(); i += loops_of_run) {
     const std::size_t count = std::min(loops_of_run, inertias.size() - i);
     const auto some = LoopRun(c, inertias.data() + i, count, sample_rate, delay).run();
-    all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count));
+    all.insert(all.end(), some.begin(), some.begin() + count);
   }
   return all;
 }
@@ -304,15 +304,14 @@ const LoopNorms& LoopsOfBatch::norms(std::size_t joint, Eigen::Index configurati
   OfJoint& of = of_joint(joint);
   if (of.norms.empty()) {
     std::vector<double> different = of.inertias;
-    std::sort(different.begin(), different.end());
+    std::ranges::sort(different);
     different.erase(std::unique(different.begin(), different.end()), different.end());
     const std::vector<LoopNorms> all = loop_norms(control_->joints[joint], different, control_->sample_rate,
                                                   control_->samples_of_delay(joint));
     for (const double inertia : of.inertias)
-      of.norms.push_back(all[static_cast<std::size_t>(
-          std::lower_bound(different.begin(), different.end(), inertia) - different.begin())]);
+      of.norms.push_back(all[std::ranges::lower_bound(different, inertia) - different.begin()]);
   }
-  return of.norms[static_cast<std::size_t>(configuration)];
+  return of.norms[configuration];
 }
 
 const LoopResponse& LoopsOfBatch::response(std::size_t joint, Eigen::Index configuration) {

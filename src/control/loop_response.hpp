@@ -94,20 +94,4 @@ class LoopsOfBatch {
   std::vector<OfJoint> joints_;
 };
 
-/// The loops at one configuration of a batch. Borrows the batch.
-struct LoopsAt {
-  LoopsOfBatch* batch;
-  Eigen::Index configuration;
-  /// [joint]: what a slow error passes in place of the l1 norms, NaN where that is not known; null: the
-  /// norms.
-  const std::vector<LoopRatio>* slow = nullptr;
-
-  LoopNorms norms(std::size_t joint) const {
-    if (slow && joint < slow->size() && !std::isnan((*slow)[joint].motion))
-      return {{(*slow)[joint].motion}, {(*slow)[joint].torque}};
-    return batch->norms(joint, configuration);
-  }
-  const LoopResponse& response(std::size_t joint) const { return batch->response(joint, configuration); }
-};
-
 }  // namespace qerr

@@ -44,7 +44,7 @@ int remember(const std::string& path) {
 }
 
 void forget(int slot) {
-  if (slot >= 0) unfinished[static_cast<std::size_t>(slot)].used = 0;
+  if (slot >= 0) unfinished[slot].used = 0;
 }
 
 bool is_special(const std::string& path) {
@@ -269,7 +269,7 @@ void GrowingFile::write(std::string_view text) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EPIPE) throw ClosedPipe{};
     if (n < 0) fail("cannot be written", errno);
-    text.remove_prefix(static_cast<std::size_t>(n));
+    text.remove_prefix(n);
   }
 }
 

@@ -208,7 +208,7 @@ std::string begin_of(const std::string& path) {
   std::string begin(std::size_t{1} << 16, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(file.gcount()));
+  begin.resize(file.gcount());
   if (begin.starts_with("\xef\xbb\xbf")) begin.erase(0, 3);
   return begin;
 }
@@ -234,8 +234,8 @@ bool is_catalogue(const std::string& begin) {
       cells.back() += c;
   }
   const auto has = [&](const std::string& name) {
-    return std::any_of(cells.begin(), cells.end(),
-                       [&](const std::string& cell) { return cell == name || cell.starts_with(name + '['); });
+    return std::ranges::any_of(
+        cells, [&](const std::string& cell) { return cell == name || cell.starts_with(name + '['); });
   };
   return cells.size() > 1 && has("name") && !has("parameter") && (cells.front() == "name" || has("price"));
 }
@@ -257,7 +257,7 @@ std::string fingerprint_of(const std::string& path) {
   Sha256 sum;
   std::string block(std::size_t{1} << 16, '\0');
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
-    sum.add(std::string_view(block).substr(0, static_cast<std::size_t>(file.gcount())));
+    sum.add(std::string_view(block).substr(0, file.gcount()));
   return sum.digest();
 }
 

@@ -104,7 +104,7 @@ std::optional<NumberAdvice> corrected(std::string rule, std::string text) {
 
 /// `0,02 deg`, `1.000,5`, `1,000,000`; of `1,000` both readings are offered.
 std::optional<NumberAdvice> comma(std::string_view text) {
-  const auto count = std::count(text.begin(), text.end(), ',');
+  const auto count = std::ranges::count(text, ',');
   if (count == 0) return std::nullopt;
   const std::size_t last = text.rfind(',');
   std::string rule = "a number has a decimal point and no comma";

@@ -142,6 +142,13 @@ std::string_view trimmed(std::string_view text) {
   return begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower;
+}
+
 double rounded_to(double value, int digits) {
   const std::string text = printed(value, std::chars_format::scientific, digits - 1);
   double rounded = value;
@@ -167,7 +174,7 @@ PrefixedUnit prefixed(double value, const std::string& unit) {
   static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
   // The prefix is that of the rounded value: 999.96 u is 1.00 m.
   const int thousand = std::clamp(static_cast<int>(std::floor(magnitude(rounded_to(value, 3)) / 3.0)), -4, 3);
-  return {std::pow(1000.0, thousand), prefixes[static_cast<std::size_t>(thousand + 4)] + unit};
+  return {std::pow(1000.0, thousand), prefixes[thousand + 4] + unit};
 }
 
 std::string readable_number(double value) {

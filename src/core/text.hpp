@@ -79,6 +79,9 @@ double rounded_to(double value, int digits);
 /// The text without the blanks, tabulators and line ends around it.
 std::string_view trimmed(std::string_view text);
 
+/// With the letters A to Z as a to z.
+std::string lower_case(std::string_view text);
+
 /// Two hexadecimal digits in upper case, such as `0A`.
 std::string hexadecimal(unsigned char byte);
 

@@ -97,7 +97,7 @@ LimitTest largest_test(const ChoiceFigure& figure, const SumWeights& weights, do
   for_blocks(figure, weights, configurations, start,
              [&](std::size_t first, std::size_t count, const Block& v) {
                Eigen::Index at = 0;
-               if (!(v.head(static_cast<Eigen::Index>(count)).maxCoeff(&at) > limit)) return true;
+               if (!(v.head(count).maxCoeff(&at) > limit)) return true;
                test.met = false;
                test.worst = first + static_cast<std::size_t>(at);
                return false;
@@ -110,10 +110,10 @@ LimitTest largest_test(const ChoiceFigure& figure, const SumWeights& weights, do
 void keep_most_excessive(std::vector<std::pair<double, std::uint32_t>>& beyond, std::size_t permitted,
                          std::vector<std::uint32_t>& kept) {
   const std::size_t count = std::min(beyond.size(), permitted + permitted / 2 + 8);
-  std::nth_element(beyond.begin(), beyond.begin() + static_cast<std::ptrdiff_t>(count - 1), beyond.end(),
+  std::nth_element(beyond.begin(), beyond.begin() + (count - 1), beyond.end(),
                    [](const auto& a, const auto& b) { return a > b; });
   for (std::size_t i = 0; i < count; ++i) kept.push_back(beyond[i].second);
-  std::sort(kept.begin(), kept.end());
+  std::ranges::sort(kept);
 }
 
 LimitTest percentile_test(const ChoiceFigure& figure, const SumWeights& weights, double limit,
@@ -124,7 +124,7 @@ LimitTest percentile_test(const ChoiceFigure& figure, const SumWeights& weights,
   double low = -std::numeric_limits<double>::infinity();
   for_blocks(figure, weights, configurations, 0, [&](std::size_t first, std::size_t count, const Block& v) {
     for (std::size_t i = 0; i < count; ++i) {
-      const double value = v[static_cast<Eigen::Index>(i)];
+      const double value = v[i];
       if (value > limit)
         beyond.emplace_back(value, static_cast<std::uint32_t>(first + i));
       else
@@ -135,7 +135,7 @@ LimitTest percentile_test(const ChoiceFigure& figure, const SumWeights& weights,
   LimitTest test;
   test.met = beyond.size() < permitted || (beyond.size() == permitted && rank.part == 0);
   if (beyond.size() == permitted && rank.part > 0) {  // the limit lies between both order statistics
-    const double high = std::min_element(beyond.begin(), beyond.end())->first;
+    const double high = std::ranges::min_element(beyond)->first;
     const auto value = [&](double v) { return figure.root ? std::sqrt(v) : v; };
     test.met = value(low) + rank.part * (value(high) - value(low)) <= value(limit);
   }
@@ -171,8 +171,8 @@ double figure_value(const ChoiceFigure& figure, const SumWeights& weights, std::
   if (figure.root)
     for (double& v : values) v = std::sqrt(v);
   return figure.over == ChoiceFigure::Over::percentile ? interpolated(values, figure.percentile)
-         : figure.over == ChoiceFigure::Over::least    ? *std::min_element(values.begin(), values.end())
-                                                       : *std::max_element(values.begin(), values.end());
+         : figure.over == ChoiceFigure::Over::least    ? *std::ranges::min_element(values)
+                                                       : *std::ranges::max_element(values);
 }
 
 LimitTest compare_with_limit(const ChoiceFigure& figure, const SumWeights& weights, double limit,

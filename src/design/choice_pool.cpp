@@ -50,8 +50,8 @@ void CutPool::begin(const std::vector<double>& limits, const PermittedOptions& p
         ++count_;
       }
   for (Row& row : cuts_) set_room(row);
-  std::fill(multipliers_.begin(), multipliers_.end(), 0);
-  std::fill(reduction_.begin(), reduction_.end(), 0);
+  std::ranges::fill(multipliers_, 0);
+  std::ranges::fill(reduction_, 0);
   reduction_of_rooms_ = 0;
 }
 
@@ -144,7 +144,7 @@ void CutPool::improve_multipliers(const PermittedOptions& permitted, std::option
   double best_bound = -std::numeric_limits<double>::infinity(), step_part = 1;
   int since_best = 0;
   for (int i = 0; i < iterations; ++i) {
-    std::fill(reduction.begin(), reduction.end(), 0);
+    std::ranges::fill(reduction, 0);
     double rooms = 0;
     for (std::size_t r = 0; r < cuts_.size(); ++r) {
       if (current[r] == 0) continue;
@@ -193,7 +193,7 @@ void CutPool::improve_multipliers(const PermittedOptions& permitted, std::option
       current[r] = std::max(0.0, current[r] + step * gradient[r]);
   }
   multipliers_ = best;
-  std::fill(reduction_.begin(), reduction_.end(), 0);
+  std::ranges::fill(reduction_, 0);
   reduction_of_rooms_ = 0;
   for (std::size_t r = 0; r < cuts_.size(); ++r) {
     if (multipliers_[r] == 0) continue;
@@ -268,8 +268,7 @@ void FailureSample::restrict_joint(std::size_t joint, const Values& least, const
         const WeightedColumn& c = figure_->sums[s].columns[k];
         const double more = c.joint == joint ? c.weights[option] - weights[s][k] : 0;
         if (more == 0) continue;
-        values.sums[s] +=
-            more * Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(), static_cast<Eigen::Index>(size()));
+        values.sums[s] += more * Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(), size());
       }
     work += 3 * static_cast<double>(size() * columns);
     return fails(values, limit);
@@ -280,8 +279,8 @@ void FailureSample::restrict_joint(std::size_t joint, const Values& least, const
     return;
   }
   // With one column, options that are coarser than one that fails fail as well.
-  std::sort(options.begin(), options.end(),
-            [&](std::size_t a, std::size_t b) { return only->weights[a] > only->weights[b]; });
+  std::ranges::sort(options,
+                    [&](std::size_t a, std::size_t b) { return only->weights[a] > only->weights[b]; });
   if (!fails_with(options.front())) return;
   const auto first_good = std::partition_point(options.begin() + 1, options.end(), fails_with);
   for (auto o = options.begin(); o != first_good; ++o) permitted[offsets[joint] + *o] = 0;
@@ -295,12 +294,10 @@ bool FailureSample::restrict(double limit, const std::vector<std::size_t>& offse
   const SumWeights weights = least_weights(*figure_, offsets, permitted);
   Values least;
   for (std::size_t s = 0; s < columns_.size(); ++s) {
-    Eigen::ArrayXd& sum = least.sums.emplace_back(
-        Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(size()), figure_->sums[s].added));
+    Eigen::ArrayXd& sum = least.sums.emplace_back(Eigen::ArrayXd::Constant(size(), figure_->sums[s].added));
     for (std::size_t k = 0; k < columns_[s].size(); ++k)
       if (weights[s][k] != 0)
-        sum += weights[s][k] *
-               Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(), static_cast<Eigen::Index>(size()));
+        sum += weights[s][k] * Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(), size());
     work += static_cast<double>(size() * columns_[s].size());
   }
   if (fails(least, limit)) return false;

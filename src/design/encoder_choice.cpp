@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/lists.hpp"
+
 namespace qerr {
 
 namespace {
@@ -19,9 +21,7 @@ OptionChoice first_permitted(const std::vector<std::size_t>& offsets, const Perm
 
 std::size_t permitted_count(const std::vector<std::size_t>& offsets, const PermittedOptions& permitted,
                             std::size_t joint) {
-  return static_cast<std::size_t>(
-      std::count(permitted.begin() + static_cast<std::ptrdiff_t>(offsets[joint]),
-                 permitted.begin() + static_cast<std::ptrdiff_t>(offsets[joint + 1]), char{1}));
+  return std::count(permitted.begin() + offsets[joint], permitted.begin() + (offsets[joint + 1]), char{1});
 }
 
 }  // namespace
@@ -87,10 +87,9 @@ std::int64_t EncoderSearch::most() const {
 /// Keeps a choice that meets the limits if it is among the best ones.
 bool EncoderSearch::keep(const OptionChoice& choice) {
   const Priced priced{price_of(problem_, choice), choice};
-  if (priced.first > request_.most || std::find(best_.begin(), best_.end(), priced) != best_.end() ||
-      std::find(request_.excluded.begin(), request_.excluded.end(), choice) != request_.excluded.end())
+  if (priced.first > request_.most || contains(best_, priced) || contains(request_.excluded, choice))
     return false;
-  best_.insert(std::upper_bound(best_.begin(), best_.end(), priced), priced);
+  best_.insert(std::ranges::upper_bound(best_, priced), priced);
   if (best_.size() <= request_.wanted) return true;
   const bool kept = best_.back() != priced;
   best_.pop_back();

@@ -206,8 +206,7 @@ class LeastNorm {
     const Eigen::Index n = size();
     Eigen::MatrixXd gram(n + 1, n + 1);
     gram.topLeftCorner(n, n) = gram_;
-    for (Eigen::Index i = 0; i < n; ++i)
-      gram(i, n) = gram(n, i) = rows_[static_cast<std::size_t>(i)].dot(row);
+    for (Eigen::Index i = 0; i < n; ++i) gram(i, n) = gram(n, i) = rows_[i].dot(row);
     gram(n, n) = row.squaredNorm();
     gram_ = std::move(gram);
     rows_.push_back(std::move(row));
@@ -234,7 +233,7 @@ class LeastNorm {
     }
     y_.setZero();
     for (Eigen::Index r = 0; r < size(); ++r)
-      if (passive(r)) y_ -= multiplier(r) * rows_[static_cast<std::size_t>(r)];
+      if (passive(r)) y_ -= multiplier(r) * rows_[r];
   }
 
   /// Forgets rows whose multipliers are 0.
@@ -266,10 +265,10 @@ class LeastNorm {
   }
 
  private:
-  Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
-  double& multiplier(Eigen::Index r) { return multipliers_[static_cast<std::size_t>(r)]; }
-  double multiplier(Eigen::Index r) const { return multipliers_[static_cast<std::size_t>(r)]; }
-  double bound(Eigen::Index r) const { return bounds_[static_cast<std::size_t>(r)]; }
+  Eigen::Index size() const { return std::ssize(rows_); }
+  double& multiplier(Eigen::Index r) { return multipliers_[r]; }
+  double multiplier(Eigen::Index r) const { return multipliers_[r]; }
+  double bound(Eigen::Index r) const { return bounds_[r]; }
   bool passive(Eigen::Index r) const { return multiplier(r) > 0; }
   double gram_row(Eigen::Index r) const {
     double sum = 0;
@@ -286,20 +285,20 @@ class LeastNorm {
       for (Eigen::Index r = 0; r < size(); ++r)
         if (passive(r)) set.push_back(r);
       if (set.empty()) return;
-      const auto n = static_cast<Eigen::Index>(set.size());
+      const auto n = std::ssize(set);
       Eigen::MatrixXd g = gram_(set, set);
       Eigen::VectorXd b(n);
-      for (Eigen::Index i = 0; i < n; ++i) b[i] = -bound(set[static_cast<std::size_t>(i)]);
+      for (Eigen::Index i = 0; i < n; ++i) b[i] = -bound(set[i]);
       g.diagonal() *= 1 + 1e-13;  // neighbouring frequencies make it nearly singular
       const Eigen::VectorXd wanted = g.ldlt().solve(b);
       double step = 1;
       for (Eigen::Index i = 0; i < n; ++i) {
-        const double now = multiplier(set[static_cast<std::size_t>(i)]);
+        const double now = multiplier(set[i]);
         if (!(wanted[i] > 0)) step = std::min(step, now / (now - wanted[i]));
       }
       bool left = false;
       for (Eigen::Index i = 0; i < n; ++i) {
-        double& m = multiplier(set[static_cast<std::size_t>(i)]);
+        double& m = multiplier(set[i]);
         m += step * (wanted[i] - m);
         if (!(wanted[i] > 0) && m <= 1e-14 * std::abs(wanted[i]) + std::numeric_limits<double>::min()) {
           m = 0;
@@ -320,8 +319,7 @@ class LeastNorm {
 /// units of sample_rate^d; they differ from `least()` by what is orthogonal to the first d + 1 moments.
 class Tracking {
  public:
-  explicit Tracking(const FirTask& task)
-      : n_(static_cast<Eigen::Index>(task.taps)), derivative_(task.derivative) {
+  explicit Tracking(const FirTask& task) : n_(task.taps), derivative_(task.derivative) {
     const double end = 2 * std::numbers::pi * task.band / task.sample_rate;
     // A response of n taps bends on the scale 2 pi/n.
     const auto count =
@@ -378,7 +376,7 @@ QuietestFir quietest_fir(const FirTask& task) {
   constexpr int most_rounds = 80;
   constexpr double tolerance = 1e-3;  // of the tracking error
   const Tracking tracking(task);
-  LeastNorm programme(static_cast<Eigen::Index>(task.taps));
+  LeastNorm programme(task.taps);
   const std::vector<double>& w = tracking.frequencies();
   QuietestFir best;
   const double scale = std::pow(task.sample_rate, task.derivative);

@@ -53,7 +53,7 @@ RequirementResult evaluate(const Requirement& r, double value) {
 
 Figure proven_figure(const Requirement& r, const OperationalModel& model) {
   if (r.filter >= 0 && is_sigma(r.bound) && r.bound != Bound::sigma_quantization &&
-      !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
+      !sigma_is_known(model.sources, r.filter))
     throw unknown_sigma(r);
   return r;
 }

@@ -8,7 +8,7 @@ namespace qerr {
 
 void ActionPath::add(const EffectKind& kind, Action action) {
   const auto sums = [&](const Step& s) { return is_periodic(*s.kind) && s.kind->stage == kind.stage; };
-  const auto sum = is_periodic(kind) ? std::find_if(steps_.begin(), steps_.end(), sums) : steps_.end();
+  const auto sum = is_periodic(kind) ? std::ranges::find_if(steps_, sums) : steps_.end();
   if (sum != steps_.end())
     sum->actions.push_back(std::move(action));
   else

@@ -31,7 +31,7 @@ const std::vector<EffectKind>& effect_kinds() {
 
 const EffectKind* find_effect_kind(std::string_view name) {
   const auto& kinds = cause_kinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  const auto found = std::ranges::find_if(kinds, [&](const auto& k) { return k.name == name; });
   return found == kinds.end() ? nullptr : &*found;
 }
 
@@ -44,15 +44,14 @@ const EffectKind& effect_kind(std::string_view name) {
 double Effect::number(const std::string& name) const {
   if (const auto given = numbers.find(name); given != numbers.end()) return given->second;
   const auto& rows = effect_kind(type).parameters;
-  const auto row = std::find_if(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == name; });
+  const auto row = std::ranges::find_if(rows, [&](const Parameter& p) { return p.name == name; });
   if (row == rows.end()) throw std::out_of_range("effect '" + type + "' has no parameter '" + name + "'");
   return row->fallback.value_or(0);
 }
 
 bool has_size(const Effect& effect) {
   if (effect_kind(effect.type).jumps) return true;  // bit 0, stuck at 0
-  return std::any_of(effect.numbers.begin(), effect.numbers.end(),
-                     [](const auto& n) { return n.second != 0; });
+  return std::ranges::any_of(effect.numbers, [](const auto& n) { return n.second != 0; });
 }
 
 std::string_view record_advice(std::string_view one, std::string_view other) {

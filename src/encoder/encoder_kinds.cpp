@@ -16,7 +16,7 @@ const std::vector<EncoderKind>& encoder_kinds() {
 
 const EncoderKind& encoder_kind(std::string_view name) {
   const auto& kinds = encoder_kinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  const auto found = std::ranges::find_if(kinds, [&](const auto& k) { return k.name == name; });
   if (found == kinds.end()) throw std::out_of_range("no encoder kind '" + std::string(name) + "'");
   return *found;
 }

@@ -8,8 +8,8 @@ namespace {
 
 template <class Function>
 Eigen::VectorXd of_each(const Transmission& t, Function f) {
-  Eigen::VectorXd values(static_cast<Eigen::Index>(t.encoders.size()));
-  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = f(t.encoders[static_cast<std::size_t>(i)]);
+  Eigen::VectorXd values(std::ssize(t.encoders));
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = f(t.encoders[i]);
   return values;
 }
 

@@ -250,7 +250,7 @@ std::vector<double> breakpoints(const Filter& filter, double from, double to) {
       (to - from) / filter.sample_rate * static_cast<double>(filter.taps.size()), 0.5 * most_panels));
   for (std::size_t i = 1; i < lobes; ++i)
     list.push_back(from + (to - from) * static_cast<double>(i) / static_cast<double>(lobes));
-  std::sort(list.begin(), list.end());
+  std::ranges::sort(list);
   list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;
 }

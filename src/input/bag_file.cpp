@@ -304,7 +304,7 @@ std::vector<std::string> parts_of_bag(const std::string& path) {
     throw Error({path, 0, 0}, "", "a folder that has no file of a bag: .mcap or .db3", "",
                 compressed ? "unpack those that are compressed as a whole: zstd -d FILE.zstd" : "name a file",
                 Trouble::file_system);
-  std::sort(parts.begin(), parts.end(), [](const std::string& a, const std::string& b) {
+  std::ranges::sort(parts, [](const std::string& a, const std::string& b) {
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });
   return parts;

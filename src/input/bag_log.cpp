@@ -29,7 +29,7 @@ class FieldReader {
   Number number() {
     if (aligned_) at_ += (sizeof(Number) - at_ % sizeof(Number)) % sizeof(Number);
     std::string bytes(take(sizeof(Number)));
-    if (big_ != (std::endian::native == std::endian::big)) std::reverse(bytes.begin(), bytes.end());
+    if (big_ != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
     Number value;
     std::memcpy(&value, bytes.data(), sizeof value);
     return value;
@@ -271,7 +271,7 @@ class BagSamples : public LogSamples {
       const std::ptrdiff_t place = found == index_.end() ? -1 : places_[found->second];
       if (place < 0) continue;
       if (std::isinf(value)) throw Error({file_, 0, 0}, name, "not a finite number", shortest(value), "");
-      values[place] = values_[static_cast<std::size_t>(place)] = value;
+      values[place] = values_[place] = value;
     }
     return true;
   }
@@ -331,12 +331,12 @@ void add_sample(const BagSample& sample, const BagMessage& message, BagContents&
   ++stream.samples;
   stream.stamped += sample.stamp.has_value();
   for (const auto& [name, value] : sample.values) {
-    auto known = std::find(stream.names.begin(), stream.names.end(), name);
+    auto known = std::ranges::find(stream.names, name);
     if (known == stream.names.end()) {
       known = stream.names.insert(known, name);
       stream.texts.emplace_back();
     }
-    auto& texts = stream.texts[static_cast<std::size_t>(known - stream.names.begin())];
+    auto& texts = stream.texts[known - stream.names.begin()];
     if (texts.size() < most_texts) texts.push_back(shortest(value));
   }
 }

@@ -69,9 +69,9 @@ CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, c
 /// The known column that a header names in capitals, with blanks or hyphens, or with its unit in parentheses
 /// or behind an underscore; "" if there is none.
 std::string another_spelling(const std::string& name, const std::vector<std::string>& known) {
-  std::string plain;
-  for (const char c : name.substr(0, name.find('(')))
-    plain += c == ' ' || c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::string plain = lower_case(name.substr(0, name.find('(')));
+  std::ranges::replace_if(
+      plain, [](char c) { return c == ' ' || c == '-'; }, '_');
   while (plain.ends_with('_')) plain.pop_back();
   for (const std::string& word : known)
     if (plain == word) return word;
@@ -139,8 +139,8 @@ double price_of(const std::string& text, const Place& place) {
 }
 
 void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, const Place& place) {
-  auto effect = std::find_if(row.effects.begin(), row.effects.end(),
-                             [&](const Node& e) { return e.find("type")->text == column.key; });
+  auto effect =
+      std::ranges::find_if(row.effects, [&](const Node& e) { return e.find("type")->text == column.key; });
   if (effect == row.effects.end()) {
     effect = row.effects.insert(effect, mapping_at(place));
     add_entry(*effect, "type", cell_value(column.key, "", place), place);
@@ -204,9 +204,8 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
         throw Error(csv.header_place(i), name, "duplicate column", qerr::quoted(name), "keep one of the two");
     });
   // A file of another kind may hold what is nobody's business: its first line is not repeated.
-  const bool known = std::any_of(columns.begin(), columns.end(), [](const CatalogueColumn& c) {
-    return c.role != CatalogueColumn::Role::description;
-  });
+  const bool known = std::ranges::any_of(
+      columns, [](const CatalogueColumn& c) { return c.role != CatalogueColumn::Role::description; });
   if (!seen.contains("name"))
     faults.guard([&] {
       throw Error(csv.header_place(0), "name", "the catalogue has no column of this name",

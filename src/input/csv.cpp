@@ -161,14 +161,11 @@ void CsvReader::look_at_cells() {
       if (of_header.empty()) header_[i] += " [" + unit + ']';
     }
     if (format_.decimal != '.' || format_.separator == ',') continue;
-    if (has_decimal_commas(cells)) {
-      comma_columns_.resize(header_.size());
-      comma_columns_[i] = true;
-    } else if (std::any_of(cells.begin(), cells.end(), [](const std::string& c) {
-                 return c.find(',') != std::string::npos && is_numeric(c, ',');
-               })) {
-      either = i;
-    }
+    const Commas commas = commas_of(cells);
+    if (commas == Commas::ambiguous) either = i;
+    if (commas != Commas::decimal) continue;
+    comma_columns_.resize(header_.size());
+    comma_columns_[i] = true;
   }
   if (either && !comma_columns_.empty())
     throw Error(header_places_[*either], header_[*either],

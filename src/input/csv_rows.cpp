@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/csv.hpp"
 #include "qerr/core/quantity.hpp"
@@ -109,10 +110,7 @@ bool is_missing(std::string_view text) {
   // What Excel writes in place of a number: #DIV/0!, #WERT!, #REF!, #NAME?, #####.
   if (text.starts_with('#') && (text.ends_with('!') || text.ends_with('?') || text.ends_with('#')))
     return true;
-  std::string lower(text.substr(0, 5));
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
-  return std::find(std::begin(words), std::end(words), lower) != std::end(words);
+  return contains(words, lower_case(text.substr(0, 5)));
 }
 
 const char* read_number(const char* p, double& value, WrittenNumbers& written) {

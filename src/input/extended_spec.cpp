@@ -41,8 +41,7 @@ Node sample_rate(Node& filters, const NamedFilter& like) {
 
 void add_filters(Node& root, const std::vector<NamedFilter>& present, const std::vector<AddedFilter>& added) {
   Node* filters = root.find("filters");
-  const auto like =
-      std::find_if(present.begin(), present.end(), [](const auto& f) { return f.filter.derivative == 1; });
+  const auto like = std::ranges::find_if(present, [](const auto& f) { return f.filter.derivative == 1; });
   if (!filters || like == present.end()) return;
   for (const AddedFilter& f : added) {
     Node* present_entry = filters->find(f.name);
@@ -211,9 +210,7 @@ bool is_coupling(const Effect& effect) { return effect.type == coupling_error_ef
 /// joints, to which each adds its factor.
 void state_coupling(Node& root, const Spec& spec, const std::vector<Effect>& found) {
   const Chain& chain = spec.model.chain;
-  const auto number = [&](const std::string& joint) {
-    return static_cast<Eigen::Index>(independent_index(chain, joint));
-  };
+  const auto number = [&](const std::string& joint) { return independent_index(chain, joint); };
   Eigen::MatrixXd to_encoders = spec.model.transmission.coupling.inverse().dense();
   for (const Effect& e : found)
     to_encoders(number(e.joint), number(e.choices.at("of"))) += e.number("factor");

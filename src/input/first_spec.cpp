@@ -34,7 +34,7 @@ std::string yaml_text(const std::string& text) {
 template <class Condition>
 Node example_of(Condition condition) {
   const auto& kinds = encoder_kinds();
-  const auto kind = std::find_if(kinds.begin(), kinds.end(), condition);
+  const auto kind = std::ranges::find_if(kinds, condition);
   return parse_yaml("{" + std::string(kind->example) + "}", "example");
 }
 
@@ -98,7 +98,7 @@ AssumedEncoder assumed_encoder(const RobotModel& robot, const std::vector<Stated
 /// Whether all joints of the chain have the range [0, 0], which exporters write for limits that nobody
 /// entered.
 bool has_empty_ranges_only(const Chain& chain) {
-  return std::all_of(chain.independent.begin(), chain.independent.end(), [](const IndependentJoint& j) {
+  return std::ranges::all_of(chain.independent, [](const IndependentJoint& j) {
     return j.limits && j.limits->lower == j.limits->upper;
   });
 }
@@ -129,7 +129,7 @@ std::string other_ends(const RobotModel& robot, const Chain& chain) {
 
 /// Whether the joints move the origin of the tip: a wheel only turns it.
 bool moves_position(const Chain& chain) {
-  const auto n = static_cast<Eigen::Index>(chain.independent.size());
+  const auto n = std::ssize(chain.independent);
   for (const double angle : {0.1, 0.7})
     if (jacobian(chain, Eigen::VectorXd::Constant(n, angle)).topRows(3).cwiseAbs().maxCoeff() > 1e-9)
       return true;
@@ -149,8 +149,7 @@ std::vector<StatedCoupling> couplings_in(const RobotModel& robot, const Chain& c
   const std::vector<std::string> names = joint_names(chain);
   std::vector<StatedCoupling> found = robot.couplings;
   std::erase_if(found, [&](const StatedCoupling& c) {
-    return std::any_of(c.joints.begin(), c.joints.end(),
-                       [&](const std::string& joint) { return !contains(names, joint); });
+    return std::ranges::any_of(c.joints, [&](const std::string& joint) { return !contains(names, joint); });
   });
   return found;
 }
@@ -170,9 +169,8 @@ std::string encoder_section(const RobotModel& robot, const Chain& chain,
     ++uses[encoder_line("", encoders.back())];
   }
   const auto uses_of = [&](const AssumedEncoder& e) { return uses.at(encoder_line("", e)); };
-  const AssumedEncoder common = *std::max_element(
-      encoders.begin(), encoders.end(),
-      [&](const AssumedEncoder& a, const AssumedEncoder& b) { return uses_of(a) < uses_of(b); });
+  const AssumedEncoder common = *std::ranges::max_element(
+      encoders, [&](const AssumedEncoder& a, const AssumedEncoder& b) { return uses_of(a) < uses_of(b); });
   const bool shared = uses_of(common) > 1 || encoders.size() == 1;
   std::string text = "encoders:\n", others;
   for (std::size_t i = 0; i < encoders.size(); ++i) {
@@ -196,17 +194,14 @@ std::string encoder_section(const RobotModel& robot, const Chain& chain,
 std::string coupling_section(const Chain& chain, const std::vector<StatedCoupling>& couplings) {
   if (couplings.empty()) return "";
   const std::vector<std::string> names = joint_names(chain);
-  const auto n = static_cast<Eigen::Index>(names.size());
+  const auto n = std::ssize(names);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
   std::string text =
       "coupling:  # joints = coupling * (encoders / gear_ratio), rows and columns in chain order\n";
   for (const StatedCoupling& c : couplings) {
-    const auto at = [&](std::size_t i) {
-      return std::find(names.begin(), names.end(), c.joints[i]) - names.begin();
-    };
+    const auto at = [&](std::size_t i) { return std::ranges::find(names, c.joints[i]) - names.begin(); };
     for (std::size_t i = 0; i < 2; ++i)
-      for (std::size_t k = 0; k < 2; ++k)
-        matrix(at(i), at(k)) = c.coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+      for (std::size_t k = 0; k < 2; ++k) matrix(at(i), at(k)) = c.coupling(i, k);
     text += wrapped("the URDF's " + escaped(c.type, 60) + ' ' + escaped(c.transmission, 60) +
                         ": its motors move " + list_of_names({c.joints[0], c.joints[1]}),
                     comment_width, "  # ", "  # ", LongWords::cut);
@@ -221,8 +216,8 @@ std::string coupling_section(const Chain& chain, const std::vector<StatedCouplin
 
 std::string filter_section() {
   const auto& families = filter_families();
-  const auto family = std::find_if(families.begin(), families.end(),
-                                   [](const FilterFamily& f) { return !f.velocity_orders.empty(); });
+  const auto family =
+      std::ranges::find_if(families, [](const FilterFamily& f) { return !f.velocity_orders.empty(); });
   return "filters:  # " + std::string(assumed) +
          ": how the controller derives a velocity; `qerr list filters` has more\n"
          "  velocity: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: " +

@@ -15,8 +15,8 @@ std::vector<std::string> joint_names(const Chain& chain) { return names_of(chain
 std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::string& name,
                        const Place& place, const std::string& path) {
   const std::vector<std::string> names = joint_names(chain);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return found - names.begin();
   for (const Joint& joint : robot.joints) {
     if (joint.name != name) continue;
     const std::string quoted = "'" + name + "'";
@@ -76,7 +76,7 @@ Error no_joint(const Chain& chain, const std::string& pattern, const Place& plac
 bool unused(const RobotModel& robot, const Chain& chain, const std::string& key) {
   if (off_chain(robot, chain, key)) return true;
   return is_pattern(key) && fitting(chain, key).empty() &&
-         std::any_of(robot.joints.begin(), robot.joints.end(), [&](const Joint& joint) {
+         std::ranges::any_of(robot.joints, [&](const Joint& joint) {
            return fits(key, joint.name) && off_chain(robot, chain, joint.name);
          });
 }
@@ -91,7 +91,7 @@ void refuse_overlaps(const Chain& chain, const std::vector<JointEntry>& entries,
     const auto same = [&](const auto& pair) {
       return pair.first->path == e.patterns[0].path && pair.second->path == e.patterns[1].path;
     };
-    const auto known = std::find_if(pairs.begin(), pairs.end(), same);
+    const auto known = std::ranges::find_if(pairs, same);
     const auto at = static_cast<std::size_t>(known - pairs.begin());
     if (known == pairs.end()) {
       pairs.emplace_back(&e.patterns[0], &e.patterns[1]);
@@ -118,7 +118,7 @@ void warn_of_idle_patterns(const Chain& chain, const std::vector<JointEntry>& en
     for (const Field& pattern : entries[i].patterns) {
       if (!entries[i].own.node) needed.push_back(pattern.node);
       const auto same = [&](const auto& p) { return p.first.node == pattern.node; };
-      auto at = std::find_if(all.begin(), all.end(), same);
+      auto at = std::ranges::find_if(all, same);
       if (at == all.end()) at = all.insert(at, {pattern, {}});
       at->second.push_back(chain.independent[i].name);
     }

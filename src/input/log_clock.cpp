@@ -21,7 +21,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 /// The number of a text of digits; empty if it is not one, or has more than 18.
 std::optional<std::int64_t> whole(std::string_view digits) {
   std::int64_t number = 0;
-  if (digits.empty() || digits.size() > atto_digits || !std::all_of(digits.begin(), digits.end(), is_digit))
+  if (digits.empty() || digits.size() > atto_digits || !std::ranges::all_of(digits, is_digit))
     return std::nullopt;
   std::from_chars(digits.data(), digits.data() + digits.size(), number);
   return number;
@@ -148,8 +148,7 @@ std::optional<TimeStamp> take_time_of_day(std::string_view& text) {
   if (!min || !s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
   std::int64_t part = 0;
   if ((with_seconds && take_mark(text, ".,:")) || (minutes_first && take_mark(text, ".,"))) {
-    const auto digits =
-        static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_digit) - text.begin());
+    const auto digits = static_cast<std::size_t>(std::ranges::find_if_not(text, is_digit) - text.begin());
     const auto read = digits > 0 ? attoseconds(std::string(text.substr(0, digits))) : std::nullopt;
     if (!read) return std::nullopt;
     part = *read;

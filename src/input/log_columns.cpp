@@ -76,9 +76,8 @@ std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& 
 /// What else a unit may mean that is not known, or is a million of what a log has.
 std::string meant_unit(const std::string& unit) {
   if (unit == "grad") return "write [gon], 400 of a turn, or [deg]";
-  std::string lower = unit, why;
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  const std::string lower = lower_case(unit);
+  std::string why;
   return lower != unit && parse_unit(lower, why) ? "did you mean [" + lower + "]?" : "";
 }
 
@@ -174,7 +173,7 @@ class ColumnFinder {
     const LogHeader& header = table_.header()[i];
     const ColumnMeaning& meaning = header.meaning;
     if (header.text.empty() && meaning.signal != "time") return;  // behind a separator at the end of the rows
-    const auto found = std::find(names_.begin(), names_.end(), meaning.signal);
+    const auto found = std::ranges::find(names_, meaning.signal);
     if (found == names_.end()) {
       refuse_unknown_unit(header);
       ignored_ += (ignored_.empty() ? "'" : ", '") + header.text + "'" + hint(meaning.signal, names_);
@@ -182,7 +181,7 @@ class ColumnFinder {
       ignored_places_.push_back(i);
       return;
     }
-    const KnownColumn& known = known_[static_cast<std::size_t>(found - names_.begin())];
+    const KnownColumn& known = known_[found - names_.begin()];
     for (std::size_t k = 0; k < found_.columns.size(); ++k)
       if (found_.columns[k].signal == known.signal && found_.columns[k].index == known.index)
         throw duplicate(table_.header()[found_.places[k]], header);
@@ -232,8 +231,8 @@ class ColumnFinder {
     for (const std::string& name : ignored_names_) {
       const std::string near = nearest(name, names_);
       if (near.empty() || !means(name, near)) continue;
-      const auto at = std::find(names_.begin(), names_.end(), near) - names_.begin();
-      const KnownColumn& known = known_[static_cast<std::size_t>(at)];
+      const auto at = std::ranges::find(names_, near) - names_.begin();
+      const KnownColumn& known = known_[at];
       if (is_position_signal(known.signal) && !log_.find(known.signal, known.index))
         found_.misspelt.push_back(known.signal == LogSignal::tip ? near : near.substr(0, near.rfind('.')));
     }
@@ -250,7 +249,7 @@ class ColumnFinder {
   /// Every column of the mapping must be in a file.
   void check_mapping() const {
     for (const LogSource& source : spec_.log.columns) {
-      const bool found = std::any_of(table_.header().begin(), table_.header().end(), [&](const LogHeader& h) {
+      const bool found = std::ranges::any_of(table_.header(), [&](const LogHeader& h) {
         return h.meaning.mapped && h.meaning.signal == source.signal;
       });
       if (found) continue;
@@ -322,9 +321,7 @@ class ColumnFinder {
     throw Error({answered, {{}, "", "", "", mapping_text(proposal)}});
   }
 
-  std::string unit_of(std::size_t joint) const {
-    return spec_.model.chain.independent[joint].prismatic() ? "m" : "rad";
-  }
+  std::string unit_of(std::size_t joint) const { return spec_.model.chain.independent[joint].unit(); }
 
   const LogTable& table_;
   const Spec& spec_;

@@ -16,13 +16,6 @@ namespace qerr {
 
 namespace {
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
-  return lower;
-}
-
 /// Words for a unit in headers of English, German and French logs, in lower case.
 struct UnitWords {
   std::string_view unit, words;
@@ -186,8 +179,7 @@ ColumnName measured_name(const std::string& cell) {
     std::string unit = unit_in_words(exact.unit);
     if (unit.empty()) unit = unit_in_capitals(exact.unit);
     // `q[1]` is the second of a list, `a1.effort [1]` an effort in an arbitrary unit.
-    const bool digits =
-        std::all_of(exact.unit.begin(), exact.unit.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const bool digits = std::ranges::all_of(exact.unit, [](char c) { return c >= '0' && c <= '9'; });
     const bool effort = exact.unit == "1" && exact.name.ends_with(".effort") && exact.name.size() > 7;
     if (digits && !effort && cell.size() == exact.name.size() + exact.unit.size() + 2) return {cell, {}};
     return {exact.name, unit.empty() ? exact.unit : unit};
@@ -218,9 +210,9 @@ std::vector<ColumnMeaning> column_meanings(const std::vector<std::string>& heade
       meaning = {sources[k].signal, sources[k].unit.empty() ? parts.unit : sources[k].unit, true};
       found[k] = true;
     }
-    const bool elsewhere =
-        !meaning.mapped && std::any_of(sources.begin(), sources.end(),
-                                       [&](const LogSource& s) { return s.signal == parts.name; });
+    const bool elsewhere = !meaning.mapped && std::ranges::any_of(sources, [&](const LogSource& s) {
+      return s.signal == parts.name;
+    });
     if (elsewhere && parts.name != "time") meaning = {header[i], {}, false};
     all.push_back(std::move(meaning));
   }
@@ -243,9 +235,8 @@ std::optional<std::size_t> time_column(const std::vector<ColumnMeaning>& columns
 }
 
 std::string program_time_unit(const std::vector<std::string>& header) {
-  const bool libfranka = std::any_of(header.begin(), header.end(), [](const std::string& cell) {
-    return cell == "success rate" || cell == "success_rate";
-  });
+  const bool libfranka = std::ranges::any_of(
+      header, [](const std::string& cell) { return cell == "success rate" || cell == "success_rate"; });
   return libfranka ? "ms" : "";
 }
 
@@ -313,7 +304,7 @@ constexpr std::string_view sensor_words =
 }  // namespace
 
 bool GuessedColumn::whole() const {
-  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+  return std::ranges::all_of(values, [](double v) { return v == std::floor(v); });
 }
 
 double GuessedColumn::largest() const {
@@ -353,8 +344,7 @@ std::vector<std::string> words_in(const std::string& name) {
 
 ColumnRole role_of(const std::vector<std::string>& words) {
   const auto any = [&](std::string_view of) {
-    return std::any_of(words.begin(), words.end(),
-                       [&](const std::string& word) { return has_word(of, word); });
+    return std::ranges::any_of(words, [&](const std::string& word) { return has_word(of, word); });
   };
   for (const RoleWords& row : role_words)
     if (any(row.words))
@@ -388,7 +378,7 @@ std::vector<double> numbers_of(const std::vector<std::string>& texts) {
 }
 
 double correlation_of(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto n = static_cast<Eigen::Index>(x.size());
+  const auto n = std::ssize(x);
   if (x.size() != y.size() || x.size() < 10) return 0;
   const Eigen::Map<const Eigen::ArrayXd> a(x.data(), n), b(y.data(), n);
   const Eigen::ArrayXd da = a - a.mean(), db = b - b.mean();

@@ -46,9 +46,8 @@ class MappingGuess {
   }
 
   std::vector<LogSource> mapping() {
-    const bool named = std::any_of(columns_.begin(), columns_.end(), [](const GuessedColumn& c) {
-      return c.words.empty() || c.words.front() != "column";
-    });
+    const bool named = std::ranges::any_of(
+        columns_, [](const GuessedColumn& c) { return c.words.empty() || c.words.front() != "column"; });
     named ? find_joints() : number_joints();
     find_time();
     const std::size_t joints = spec_.model.chain.independent.size();
@@ -106,9 +105,8 @@ class MappingGuess {
     const std::string inside = c.name.substr(open + 1, c.name.size() - open - 2);
     const std::vector<std::string> words = words_in(inside);
     constexpr std::size_t longest_unit = 6;
-    const bool of_name = std::any_of(words.begin(), words.end(), [&](const std::string& w) {
-      return is_known_word(w) || (w[0] >= '0' && w[0] <= '9');
-    });
+    const bool of_name = std::ranges::any_of(
+        words, [&](const std::string& w) { return is_known_word(w) || (w[0] >= '0' && w[0] <= '9'); });
     GuessedColumn alone{0, inside, {}, words, {}, {}, {}, 0, {}};
     if (of_name || inside.size() > longest_unit || named_joint(alone)) return;
     c.unknown_unit = inside;
@@ -184,7 +182,7 @@ class MappingGuess {
       if (members.size() < 2 || members.begin()->first != 0)
         for (auto& [number, column] : members) column->joint = named_joint(*column);
     const std::size_t joints = spec_.model.chain.independent.size();
-    const bool from_zero = std::any_of(families.begin(), families.end(), [](const auto& f) {
+    const bool from_zero = std::ranges::any_of(families, [](const auto& f) {
       return f.second.begin()->first == 0 && f.first.find('#') != std::string::npos;
     });
     for (auto& [family, members] : families)
@@ -204,7 +202,7 @@ class MappingGuess {
     const auto is_position = [](const GuessedColumn& c) {
       return c.role == ColumnRole::position || c.role == ColumnRole::counts;
     };
-    if (std::any_of(columns_.begin(), columns_.end(), is_position)) return;
+    if (std::ranges::any_of(columns_, is_position)) return;
     std::pair<GuessedColumn*, GuessedColumn*> pair{};
     for (GuessedColumn& a : columns_)
       for (GuessedColumn& b : columns_) {
@@ -228,7 +226,7 @@ class MappingGuess {
       for (const std::string& word : c.words)
         if (!is_known_word(word)) name += (name.empty() ? "" : " ") + word;
       if (name.empty()) return;
-      const auto at = std::find(names.begin(), names.end(), name);
+      const auto at = std::ranges::find(names, name);
       named.emplace_back(&c, at - names.begin());
       if (at == names.end()) names.push_back(name);
     }
@@ -256,8 +254,7 @@ class MappingGuess {
     std::size_t next = 0;
     std::optional<std::size_t> nanoseconds;
     for (GuessedColumn& c : columns_) {
-      const bool rises =
-          std::is_sorted(c.values.begin(), c.values.end()) && c.values.front() < c.values.back();
+      const bool rises = std::ranges::is_sorted(c.values) && c.values.front() < c.values.back();
       if (next == 0 && rises && !taken_.contains("time")) {
         nanoseconds =
             nanoseconds_behind(header, c.index, [&](std::size_t i) { return table_.first_texts(i); });
@@ -301,14 +298,14 @@ class MappingGuess {
     const GuessedColumn* best = nullptr;
     for (const GuessedColumn& c : columns_) {
       const bool named = is_time_name(c.name);
-      const bool partly = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+      const bool partly = std::ranges::any_of(c.words, [](const std::string& w) {
         return has_word(
             " time timestamp stamp zeit temps sec seconds secs millis micros t duration elapsed datum date "
             "uhrzeit ts "
             "uptime ",
             w);
       });
-      if ((!named && !partly) || c.joint || !std::is_sorted(c.values.begin(), c.values.end())) continue;
+      if ((!named && !partly) || c.joint || !std::ranges::is_sorted(c.values)) continue;
       if (c.values.size() > 1 && c.values.front() == c.values.back()) continue;
       if (!best || (named && !is_time_name(best->name))) best = &c;
     }
@@ -334,7 +331,7 @@ class MappingGuess {
     }
     if (const auto like = lone_follower(positions)) positions.push_back(*like);
     // From the motor to the load; of two alike the coarser one is that of the encoder.
-    std::stable_sort(positions.begin(), positions.end(), [](const auto* a, const auto* b) {
+    std::ranges::stable_sort(positions, [](const auto* a, const auto* b) {
       const int x = a->side - (a->role == ColumnRole::counts), y = b->side - (b->role == ColumnRole::counts);
       if (x != y) return x < y;
       // Counts of one motion: fewer of the coarser one.
@@ -438,7 +435,7 @@ class MappingGuess {
       return has_dimension(c.unit, wanted) || (c.unit.empty() && (is_moteus() || in_si()));
     }
     if (role == ColumnRole::command)
-      return std::none_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+      return std::ranges::none_of(c.words, [](const std::string& w) {
         return has_word(" velocity vel speed qd dq qdd ddq current torque tau effort moment acceleration ",
                         w);
       });
@@ -456,7 +453,7 @@ class MappingGuess {
 
   /// Names of ROS, UR and libfranka: their values are in SI units (REP 103, and their manuals).
   bool in_si() const {
-    return std::any_of(columns_.begin(), columns_.end(), [](const GuessedColumn& c) {
+    return std::ranges::any_of(columns_, [](const GuessedColumn& c) {
       return c.name.starts_with("/") || c.name.starts_with("actual_q") || c.name.starts_with("tau_J");
     });
   }
@@ -467,8 +464,8 @@ class MappingGuess {
     std::map<std::string, std::array<const GuessedColumn*, 3>> triples;
     for (const GuessedColumn& c : columns_) {
       if (used_.contains(c.index) || c.joint || c.words.empty()) continue;
-      const bool tracked = std::any_of(c.words.begin(), c.words.end(), is_of_sensor);
-      const bool moving = std::any_of(c.words.begin(), c.words.end(), [](const std::string& w) {
+      const bool tracked = std::ranges::any_of(c.words, is_of_sensor);
+      const bool moving = std::ranges::any_of(c.words, [](const std::string& w) {
         return has_word(" orientation rotation quat velocity speed force torque twist target ", w);
       });
       const std::size_t axis = std::string_view("xyz").find(c.words.back());
@@ -515,17 +512,15 @@ MappingProposal proposed_mapping(const LogTable& table, const Spec& spec) {
   // Rows with a gap are left out, unless every row has one.
   std::vector<bool> gaps;
   for (std::size_t i = 0; i < table.header().size(); ++i) {
-    const bool mapped = std::any_of(reading.columns.begin(), reading.columns.end(),
-                                    [&](const LogSource& s) { return s.column == table.header()[i].text; });
+    const bool mapped = std::ranges::any_of(
+        reading.columns, [&](const LogSource& s) { return s.column == table.header()[i].text; });
     if (!mapped) continue;
     const std::vector<std::string> texts = table.first_texts(i);
     gaps.resize(std::max(gaps.size(), texts.size()), false);
     for (std::size_t k = 0; k < texts.size(); ++k) gaps[k] = gaps[k] || is_missing(texts[k]);
   }
-  const auto holes = std::count(gaps.begin(), gaps.end(), true);
-  if (holes > 0)
-    reading.missing =
-        holes < static_cast<std::ptrdiff_t>(gaps.size()) ? MissingValues::drop : MissingValues::hold;
+  const auto holes = std::ranges::count(gaps, true);
+  if (holes > 0) reading.missing = holes < std::ssize(gaps) ? MissingValues::drop : MissingValues::hold;
   return proposal;
 }
 

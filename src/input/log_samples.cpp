@@ -77,8 +77,7 @@ namespace {
 
 bool has_column(const CsvReader& table, const std::string& name) {
   const auto& header = table.header();
-  return std::any_of(header.begin(), header.end(),
-                     [&](const std::string& cell) { return column_name(cell).name == name; });
+  return std::ranges::any_of(header, [&](const std::string& cell) { return column_name(cell).name == name; });
 }
 
 }  // namespace
@@ -151,8 +150,8 @@ bool are_stamps(const std::vector<std::string>& cells, bool calendar) {
 }
 
 bool has_decimals(const std::vector<std::string>& cells) {
-  return std::any_of(cells.begin(), cells.end(),
-                     [](const std::string& c) { return c.find_first_of(".,") != std::string::npos; });
+  return std::ranges::any_of(cells,
+                             [](const std::string& c) { return c.find_first_of(".,") != std::string::npos; });
 }
 
 /// Whether the name of a column of seconds has one of nanoseconds behind it.
@@ -201,8 +200,7 @@ std::optional<std::size_t> find_stamps(const std::vector<std::string>& header,
   if (named && (columns[*named].mapped || columns[*named].signal == "time")) return named;
   for (std::size_t i = 0; i + 1 < columns.size(); ++i)
     if (is_seconds_before(header[i], header[i + 1])) return i;
-  if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return is_time_name(c.signal); }))
-    return named;
+  if (std::ranges::any_of(columns, [](const auto& c) { return is_time_name(c.signal); })) return named;
   if (named && are_stamps(texts(*named), false)) return named;
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < columns.size(); ++i) {

@@ -37,23 +37,6 @@ constexpr QuantityName quantity_names[]{
     {{0, 1, -2}, "an angular acceleration", "rad/s^2 or deg/s^2"},
 };
 
-}  // namespace
-
-std::string name_of(const Dimension& d) {
-  for (const QuantityName& q : quantity_names)
-    if (q.dimension == d) return std::string(q.name);
-  return "a quantity in " + unit_name(d);
-}
-
-std::string unit_remedy(const Dimension& d) {
-  for (const QuantityName& q : quantity_names)
-    if (q.dimension == d)
-      return "give " + std::string(q.name) + (q.units.empty() ? "" : " in " + std::string(q.units));
-  return "give a number in " + unit_name(d);
-}
-
-namespace {
-
 /// "nearest or down", "x4, x2 or x1".
 std::string one_of(const std::vector<std::string>& words) {
   std::string text;
@@ -108,119 +91,25 @@ void drop_explained(std::vector<Fault>& missing, const std::vector<Fault>& unkno
   std::size_t unmatched = 0;
   for (const Fault& fault : unknown) {
     const std::string meant = nearest(last_key(fault), known);
-    const auto found =
-        std::find_if(missing.begin(), missing.end(), [&](const Fault& m) { return last_key(m) == meant; });
+    const auto found = std::ranges::find_if(missing, [&](const Fault& m) { return last_key(m) == meant; });
     found == missing.end() ? void(++unmatched) : void(missing.erase(found));
   }
-  missing.erase(missing.begin(),
-                missing.begin() + static_cast<std::ptrdiff_t>(std::min(unmatched, missing.size())));
+  missing.erase(missing.begin(), missing.begin() + std::min(unmatched, missing.size()));
 }
 
-}  // namespace
-
-double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
-  const Dimension expected = p.coordinate ? coordinate : p.dimension;
-  if (f.node->type != Node::Type::scalar) f.refuse("must be a number", unit_remedy(expected));
-  std::string why;
-  const auto quantity = parse_quantity(f.node->text, why);
-  if (!quantity) {
-    const NumberAdvice advice = advice_on_number(f.node->text, why);
-    f.refuse(advice.rule, advice.remedy.empty() ? unit_remedy(expected) : advice.remedy);
-  }
-  if (f.node->quoted && !quantity->dimension)
-    f.refuse("must be a number, not text", "remove the quotation marks");
-  const double value = in_dimension(f, *quantity, p, expected);
-  if (!in_range(p, value)) f.refuse("is out of range", range_remedy(p, expected));
-  if (p.nonzero && value == 0)
-    f.refuse("must not be zero", "give " + std::string(p.meaning.substr(0, p.meaning.find(';'))));
-  const Parameter possible = with_physical_range(p, coordinate);
-  if (!in_range(possible, value)) f.refuse("is beyond any machine", range_remedy(possible, expected));
-  if (p.kind == Kind::integer && value != std::floor(value))
-    f.refuse("must be an integer", range_remedy(p, expected));
-  return value;
+/// `bits: 17` of a text `bits:17`; "" for any other text.
+std::string with_space_after_colon(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 >= text.size() || text[colon + 1] == ' ')
+    return "";
+  const std::string key = text.substr(0, colon);
+  const bool plain = std::ranges::all_of(key, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) ||
+           std::string_view("_*?[]-").find(c) != std::string_view::npos;
+  });
+  const bool path = text[colon + 1] == '/' || text[colon + 1] == '\\' || text[colon + 1] == ':';
+  return plain && !path ? key + ": " + text.substr(colon + 1) : "";
 }
-
-void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>& rows, Dimension coordinate,
-                          std::vector<std::string>& warnings) {
-  for (const Parameter& p : rows) {
-    const Node* value = map.node->find(p.name);
-    const auto number = value && value->type == Node::Type::scalar ? parse_number(value->text) : std::nullopt;
-    if (!number || std::abs(*number) < p.usual) continue;
-    const std::string text = map.path_of(p.name) + ": " + value->text + " without a unit is in " +
-                             unit_name(p.coordinate ? coordinate : p.dimension) +
-                             ", which is much; write the unit that is meant";
-    add_once(warnings, text);
-  }
-}
-
-void warn_of_degrees(const Field& f, double turns, std::vector<std::string>& warnings) {
-  const auto number =
-      f.node && f.node->type == Node::Type::scalar ? parse_number(f.node->text) : std::nullopt;
-  if (!number || std::abs(*number) <= turns * 2 * std::numbers::pi) return;
-  warnings.push_back(f.path + ": " + f.node->text + " without a unit is in rad, " +
-                     significant(std::abs(*number) / (2 * std::numbers::pi), 3) +
-                     " revolutions; degrees need their unit, '" + f.node->text + " deg'");
-}
-
-std::string read_choice(const Field& f, const Parameter& p) {
-  const std::vector<std::string> known = choices_of(p);
-  const std::string near = f.node->type == Node::Type::scalar ? did_you_mean(f.node->text, known) : "";
-  const std::string remedy = near.starts_with("did") ? near : "give " + one_of(known);
-  if (f.node->type != Node::Type::scalar || !contains(known, f.node->text))
-    f.refuse("is not one of the choices", remedy);
-  return f.node->text;
-}
-
-bool read_boolean(const Field& f) {
-  if (f.node->type == Node::Type::scalar && !f.node->quoted) {
-    if (f.node->text == "true") return true;
-    if (f.node->text == "false") return false;
-  }
-  f.refuse("must be true or false", "true or false");
-}
-
-std::string read_text_value(const Field& f) {
-  if (f.node->type != Node::Type::scalar || f.node->text.empty())
-    f.refuse("must be text", "give one name or path");
-  if (!f.node->quoted && (f.node->text == "~" || f.node->text == "null"))
-    f.refuse("must be text", "quote it if this is the name");
-  return f.node->text;
-}
-
-std::size_t read_name(const Field& map, std::string_view key, const std::vector<std::string>& names,
-                      const char* unknown) {
-  const Node* const name = map.node->type == Node::Type::mapping ? map.node->find(key) : nullptr;
-  if (!name) map.refuse_missing(key, "add '" + std::string(key) + ": ...' (" + did_you_mean("", names) + ")");
-  const Field field{name, map.path_of(key)};
-  const auto found = std::find(names.begin(), names.end(), read_text_value(field));
-  if (found == names.end()) field.refuse(unknown, did_you_mean(name->text, names));
-  return static_cast<std::size_t>(found - names.begin());
-}
-
-std::vector<Field> read_list(const Field& f, const std::string& example) {
-  if (f.node->type == Node::Type::null)
-    f.refuse("must be a list", "write " + example + ", or leave the key out");
-  if (f.node->type != Node::Type::sequence) f.refuse("must be a list", "write " + example);
-  std::vector<Field> items;
-  for (std::size_t i = 0; i < f.node->items.size(); ++i)
-    items.push_back({&f.node->items[i], f.path + '[' + std::to_string(i) + ']'});
-  return items;
-}
-
-std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
-  if (f.node->type == Node::Type::null)
-    f.refuse("must be a mapping", "indent its entries by two spaces below it, or leave the key out");
-  if (f.node->type == Node::Type::scalar)
-    if (const std::string corrected = with_space_after_colon(f.node->text); !corrected.empty())
-      f.refuse("a colon after a key must be followed by a space", "write " + quoted(corrected));
-  if (f.node->type != Node::Type::mapping) f.refuse("must be a mapping", "write 'name: value'");
-  std::vector<std::pair<Node::Key, Field>> entries;
-  for (const auto& [key, value] : f.node->entries)
-    entries.emplace_back(key, Field{&value, f.path_of(key.name)});
-  return entries;
-}
-
-namespace {
 
 /// Instead of a mapping with known keys: says which keys it needs, `write {length: ...}`.
 void require_mapping(const Field& f, const std::vector<Parameter>& format) {
@@ -233,65 +122,6 @@ void require_mapping(const Field& f, const std::vector<Parameter>& format) {
     read_map(f);
   f.refuse("must be a mapping", "write {" + keys + "}");
 }
-
-}  // namespace
-
-Object::Object(const Field& field, const std::vector<Parameter>& format) : field_(field), format_(format) {
-  const std::vector<std::string> known = names_of(format);
-  std::vector<Fault> faults;
-  require_mapping(field, format);
-  for (const Node::Entry& entry : field.node->entries)
-    if (!contains(known, entry.key.name)) add_unknown_key(field, entry, known, faults);
-  std::vector<Fault> missing;
-  for (const Parameter& p : format)
-    if (p.required && !has(p.name))
-      missing.push_back(
-          {field.node->place, field.path_of(p.name), "missing key", "",
-           "add '" + std::string(p.name) + ": " + placeholder(p) + "' (" + std::string(p.meaning) + ")"});
-  drop_explained(missing, faults, known);
-  faults.insert(faults.end(), missing.begin(), missing.end());
-  if (!faults.empty()) throw Error(faults);
-}
-
-Field Object::at(std::string_view key) const { return {field_.node->find(key), field_.path_of(key)}; }
-
-const Parameter& Object::row(std::string_view key) const { return *find_named(format_, key); }
-
-std::optional<double> Object::number(std::string_view key, Dimension coordinate) const {
-  const Parameter& p = row(key);
-  return has(key) ? std::optional(read_number(at(key), p, coordinate)) : p.fallback;
-}
-
-std::string Object::choice(std::string_view key) const {
-  const Parameter& p = row(key);
-  return has(key) ? read_choice(at(key), p) : choices_of(p).front();
-}
-
-std::optional<std::string> Object::text(std::string_view key) const {
-  return has(key) ? std::optional(read_text_value(at(key))) : std::nullopt;
-}
-
-std::map<std::string, double> Object::numbers(const std::vector<Parameter>& rows,
-                                              Dimension coordinate) const {
-  std::map<std::string, double> values;
-  for (const Parameter& p : rows)
-    if (p.kind == Kind::number || p.kind == Kind::integer)
-      if (const auto value = number(p.name, coordinate)) values[std::string(p.name)] = *value;
-  return values;
-}
-
-std::map<std::string, std::string> Object::choices(const std::vector<Parameter>& rows) const {
-  std::map<std::string, std::string> values;
-  for (const Parameter& p : rows)
-    if (p.kind == Kind::choice) values[std::string(p.name)] = choice(p.name);
-  return values;
-}
-
-bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
-  return find_named(rows, key) != nullptr;
-}
-
-namespace {
 
 /// Where a key belongs that stands in the wrong mapping; "" if no section has it, or several have.
 std::string home_of(std::string_view key) {
@@ -347,23 +177,6 @@ const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entr
   return nullptr;
 }
 
-}  // namespace
-
-std::string with_space_after_colon(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 >= text.size() || text[colon + 1] == ' ')
-    return "";
-  const std::string key = text.substr(0, colon);
-  const bool plain = std::all_of(key.begin(), key.end(), [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) ||
-           std::string_view("_*?[]-").find(c) != std::string_view::npos;
-  });
-  const bool path = text[colon + 1] == '/' || text[colon + 1] == '\\' || text[colon + 1] == ':';
-  return plain && !path ? key + ": " + text.substr(colon + 1) : "";
-}
-
-namespace {
-
 Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known) {
   const std::string& name = entry.key.name;
   const std::string path = map.path_of(name);
@@ -381,8 +194,8 @@ Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<
     return {entry.key.place, path, "unknown key beside '" + section->key.name + "', which is empty",
             quoted(name), "indent by two spaces what belongs into " + section->key.name};
   // `order` of `polynomial_order`.
-  const auto part = std::find_if(known.begin(), known.end(),
-                                 [&](const std::string& key) { return key.ends_with('_' + name); });
+  const auto part =
+      std::ranges::find_if(known, [&](const std::string& key) { return key.ends_with('_' + name); });
   if (part != known.end())
     return {entry.key.place, path, "unknown key", quoted(name), "did you mean " + quoted(*part) + "?"};
   std::string remedy = did_you_mean(name, known);
@@ -393,6 +206,168 @@ Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<
 }
 
 }  // namespace
+
+std::string name_of(const Dimension& d) {
+  for (const QuantityName& q : quantity_names)
+    if (q.dimension == d) return std::string(q.name);
+  return "a quantity in " + unit_name(d);
+}
+
+std::string unit_remedy(const Dimension& d) {
+  for (const QuantityName& q : quantity_names)
+    if (q.dimension == d)
+      return "give " + std::string(q.name) + (q.units.empty() ? "" : " in " + std::string(q.units));
+  return "give a number in " + unit_name(d);
+}
+
+double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
+  const Dimension expected = p.coordinate ? coordinate : p.dimension;
+  if (f.node->type != Node::Type::scalar) f.refuse("must be a number", unit_remedy(expected));
+  std::string why;
+  const auto quantity = parse_quantity(f.node->text, why);
+  if (!quantity) {
+    const NumberAdvice advice = advice_on_number(f.node->text, why);
+    f.refuse(advice.rule, advice.remedy.empty() ? unit_remedy(expected) : advice.remedy);
+  }
+  if (f.node->quoted && !quantity->dimension)
+    f.refuse("must be a number, not text", "remove the quotation marks");
+  const double value = in_dimension(f, *quantity, p, expected);
+  if (!in_range(p, value)) f.refuse("is out of range", range_remedy(p, expected));
+  if (p.nonzero && value == 0)
+    f.refuse("must not be zero", "give " + std::string(p.meaning.substr(0, p.meaning.find(';'))));
+  const Parameter possible = with_physical_range(p, coordinate);
+  if (!in_range(possible, value)) f.refuse("is beyond any machine", range_remedy(possible, expected));
+  if (p.kind == Kind::integer && value != std::floor(value))
+    f.refuse("must be an integer", range_remedy(p, expected));
+  return value;
+}
+
+void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>& rows, Dimension coordinate,
+                          std::vector<std::string>& warnings) {
+  for (const Parameter& p : rows) {
+    const Node* value = map.node->find(p.name);
+    const auto number = value && value->type == Node::Type::scalar ? parse_number(value->text) : std::nullopt;
+    if (!number || std::abs(*number) < p.usual) continue;
+    const std::string text = map.path_of(p.name) + ": " + value->text + " without a unit is in " +
+                             unit_name(p.coordinate ? coordinate : p.dimension) +
+                             ", which is much; write the unit that is meant";
+    add_once(warnings, text);
+  }
+}
+
+void warn_of_degrees(const Field& f, double turns, std::vector<std::string>& warnings) {
+  const auto number =
+      f.node && f.node->type == Node::Type::scalar ? parse_number(f.node->text) : std::nullopt;
+  if (!number || std::abs(*number) <= turns * 2 * std::numbers::pi) return;
+  warnings.push_back(f.path + ": " + f.node->text + " without a unit is in rad, " +
+                     significant(std::abs(*number) / (2 * std::numbers::pi), 3) +
+                     " revolutions; degrees need their unit, '" + f.node->text + " deg'");
+}
+
+std::string read_choice(const Field& f, const Parameter& p) {
+  const std::vector<std::string> known = choices_of(p);
+  const std::string near = f.node->type == Node::Type::scalar ? did_you_mean(f.node->text, known) : "";
+  const std::string remedy = near.starts_with("did") ? near : "give " + one_of(known);
+  if (f.node->type != Node::Type::scalar || !contains(known, f.node->text))
+    f.refuse("is not one of the choices", remedy);
+  return f.node->text;
+}
+
+std::string read_text_value(const Field& f) {
+  if (f.node->type != Node::Type::scalar || f.node->text.empty())
+    f.refuse("must be text", "give one name or path");
+  if (!f.node->quoted && (f.node->text == "~" || f.node->text == "null"))
+    f.refuse("must be text", "quote it if this is the name");
+  return f.node->text;
+}
+
+std::size_t read_name(const Field& map, std::string_view key, const std::vector<std::string>& names,
+                      const char* unknown) {
+  const Node* const name = map.node->type == Node::Type::mapping ? map.node->find(key) : nullptr;
+  if (!name) map.refuse_missing(key, "add '" + std::string(key) + ": ...' (" + did_you_mean("", names) + ")");
+  const Field field{name, map.path_of(key)};
+  const auto found = std::ranges::find(names, read_text_value(field));
+  if (found == names.end()) field.refuse(unknown, did_you_mean(name->text, names));
+  return found - names.begin();
+}
+
+std::vector<Field> read_list(const Field& f, const std::string& example) {
+  if (f.node->type == Node::Type::null)
+    f.refuse("must be a list", "write " + example + ", or leave the key out");
+  if (f.node->type != Node::Type::sequence) f.refuse("must be a list", "write " + example);
+  std::vector<Field> items;
+  for (std::size_t i = 0; i < f.node->items.size(); ++i)
+    items.push_back({&f.node->items[i], f.path + '[' + std::to_string(i) + ']'});
+  return items;
+}
+
+std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
+  if (f.node->type == Node::Type::null)
+    f.refuse("must be a mapping", "indent its entries by two spaces below it, or leave the key out");
+  if (f.node->type == Node::Type::scalar)
+    if (const std::string corrected = with_space_after_colon(f.node->text); !corrected.empty())
+      f.refuse("a colon after a key must be followed by a space", "write " + quoted(corrected));
+  if (f.node->type != Node::Type::mapping) f.refuse("must be a mapping", "write 'name: value'");
+  std::vector<std::pair<Node::Key, Field>> entries;
+  for (const auto& [key, value] : f.node->entries)
+    entries.emplace_back(key, Field{&value, f.path_of(key.name)});
+  return entries;
+}
+
+Object::Object(const Field& field, const std::vector<Parameter>& format) : field_(field), format_(format) {
+  const std::vector<std::string> known = names_of(format);
+  std::vector<Fault> faults;
+  require_mapping(field, format);
+  for (const Node::Entry& entry : field.node->entries)
+    if (!contains(known, entry.key.name)) add_unknown_key(field, entry, known, faults);
+  std::vector<Fault> missing;
+  for (const Parameter& p : format)
+    if (p.required && !has(p.name))
+      missing.push_back(
+          {field.node->place, field.path_of(p.name), "missing key", "",
+           "add '" + std::string(p.name) + ": " + placeholder(p) + "' (" + std::string(p.meaning) + ")"});
+  drop_explained(missing, faults, known);
+  faults.insert(faults.end(), missing.begin(), missing.end());
+  if (!faults.empty()) throw Error(faults);
+}
+
+Field Object::at(std::string_view key) const { return {field_.node->find(key), field_.path_of(key)}; }
+
+const Parameter& Object::row(std::string_view key) const { return *find_named(format_, key); }
+
+std::optional<double> Object::number(std::string_view key, Dimension coordinate) const {
+  const Parameter& p = row(key);
+  return has(key) ? std::optional(read_number(at(key), p, coordinate)) : p.fallback;
+}
+
+std::string Object::choice(std::string_view key) const {
+  const Parameter& p = row(key);
+  return has(key) ? read_choice(at(key), p) : choices_of(p).front();
+}
+
+std::optional<std::string> Object::text(std::string_view key) const {
+  return has(key) ? std::optional(read_text_value(at(key))) : std::nullopt;
+}
+
+std::map<std::string, double> Object::numbers(const std::vector<Parameter>& rows,
+                                              Dimension coordinate) const {
+  std::map<std::string, double> values;
+  for (const Parameter& p : rows)
+    if (p.kind == Kind::number || p.kind == Kind::integer)
+      if (const auto value = number(p.name, coordinate)) values[std::string(p.name)] = *value;
+  return values;
+}
+
+std::map<std::string, std::string> Object::choices(const std::vector<Parameter>& rows) const {
+  std::map<std::string, std::string> values;
+  for (const Parameter& p : rows)
+    if (p.kind == Kind::choice) values[std::string(p.name)] = choice(p.name);
+  return values;
+}
+
+bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
+  return find_named(rows, key) != nullptr;
+}
 
 void add_unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known,
                      std::vector<Fault>& faults) {

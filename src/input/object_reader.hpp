@@ -78,7 +78,6 @@ std::string read_choice(const Field&, const Parameter&);
 /// Warns of an angle beyond `turns` revolutions that is written without a unit: it is in rad, and was
 /// probably meant in degrees. Values that are no such number are left alone.
 void warn_of_degrees(const Field&, double turns, std::vector<std::string>& warnings);
-bool read_boolean(const Field&);
 std::string read_text_value(const Field&);
 /// @param example  of such a list, for the message about another value
 std::vector<Field> read_list(const Field&, const std::string& example = "[a, b, ...]");
@@ -132,8 +131,5 @@ class Object {
 /// their section. Messages show twenty faults: what further keys may mean is not looked for.
 void add_unknown_key(const Field& map, const Node::Entry&, const std::vector<std::string>& known,
                      std::vector<Fault>& faults);
-
-/// `bits: 17` of a text `bits:17`; "" for any other text.
-std::string with_space_after_colon(const std::string& text);
 
 }  // namespace qerr

@@ -193,8 +193,9 @@ std::size_t name_length(const std::string& path, const Node* map, const Chain& c
     if (!ends_name(path, at)) continue;
     const std::string name = path.substr(0, at);
     const bool entry = map && map->find(name);
-    if (entry || std::any_of(chain.independent.begin(), chain.independent.end(),
-                             [&](const auto& joint) { return joint.name == name || fits(name, joint.name); }))
+    if (entry || std::ranges::any_of(chain.independent, [&](const auto& joint) {
+          return joint.name == name || fits(name, joint.name);
+        }))
       longest = at;
   }
   if (longest > 0) return longest;
@@ -305,10 +306,10 @@ class JointOverride {
     const bool own_entry = map_->find(path_.joint);
     std::string kept_of_names;
     std::vector<std::string> changed = governing(), kept;
-    std::copy_if(changed.begin(), changed.end(), std::back_inserter(kept),
-                 [&](const std::string& name) { return cannot_have(name); });
+    std::ranges::copy_if(changed, std::back_inserter(kept),
+                         [&](const std::string& name) { return cannot_have(name); });
     if (kept.size() == changed.size()) kept.clear();  // the reader says what is wrong
-    std::erase_if(changed, [&](const auto& name) { return std::count(kept.begin(), kept.end(), name) > 0; });
+    std::erase_if(changed, [&](const auto& name) { return std::ranges::count(kept, name) > 0; });
     for (const std::string& name : changed) change(name);
     std::erase(changed, path_.joint);
     for (const JointOverride& other : later) {
@@ -343,7 +344,7 @@ class JointOverride {
 
   /// Whether all joints that an entry's pattern governs fit the changed pattern.
   bool within(const std::string& entry) const {
-    return std::all_of(chain_.independent.begin(), chain_.independent.end(), [&](const auto& joint) {
+    return std::ranges::all_of(chain_.independent, [&](const auto& joint) {
       const std::vector<std::string> patterns = patterns_of(joint.name);
       return !contains(patterns, entry) || fits(path_.joint, joint.name);
     });
@@ -482,7 +483,7 @@ std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>
   // A change within a mapping that another change replaces must follow it, though its key names no joint:
   // configurations.count behind configurations={...}.
   const auto refines = [&](const SpecChange& change) {
-    return !of_joints(change) && std::any_of(changes.begin(), changes.end(), [&](const SpecChange& whole) {
+    return !of_joints(change) && std::ranges::any_of(changes, [&](const SpecChange& whole) {
       return changes_map(whole) && change.first.starts_with(whole.first + '.');
     });
   };

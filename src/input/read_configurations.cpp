@@ -159,9 +159,9 @@ void read_points(const Object& o, Spec& spec) {
                    "give them in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7));
     Eigen::VectorXd q(n);
     for (std::size_t j = 0; j < n; ++j) {
-      q[static_cast<Eigen::Index>(j)] = read_number(values[j], {.name = "points", .coordinate = true},
-                                                    coordinate_dimension(spec.model.chain.independent[j]));
-      check_point(q[static_cast<Eigen::Index>(j)], j, spec, &values[j], {}, values[j].path);
+      q[j] = read_number(values[j], {.name = "points", .coordinate = true},
+                         coordinate_dimension(spec.model.chain.independent[j]));
+      check_point(q[j], j, spec, &values[j], {}, values[j].path);
     }
     spec.configurations.points.push_back(q);
   }
@@ -179,9 +179,8 @@ void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
   for (Eigen::Index i = 0; i < table.positions.cols(); ++i) {
     const Eigen::VectorXd q = table.positions.col(i);
     for (Eigen::Index j = 0; j < q.size(); ++j)
-      check_point(q[j], static_cast<std::size_t>(j), spec, nullptr,
-                  {table.path, table.lines[static_cast<std::size_t>(i)], 1},
-                  spec.model.chain.independent[static_cast<std::size_t>(j)].name);
+      check_point(q[j], j, spec, nullptr, {table.path, table.lines[i], 1},
+                  spec.model.chain.independent[j].name);
     spec.configurations.points.push_back(q);
   }
 }
@@ -260,8 +259,7 @@ bool is_stray(const LogHeader& column, const Chain& chain) {
   const std::vector<std::string> joints = joint_names(chain);
   return !column.text.empty() && column.meaning.signal != "time" &&
          !contains(log_signal_names(chain), column.meaning.signal) &&
-         std::none_of(joints.begin(), joints.end(),
-                      [&](const auto& j) { return rank_of(column, j).has_value(); });
+         std::ranges::none_of(joints, [&](const auto& j) { return rank_of(column, j).has_value(); });
 }
 
 /// @param may_rest  whether a joint without a column is none, where no column is stray
@@ -278,10 +276,10 @@ std::optional<std::size_t> find_column(const LogTable& table, const Chain& chain
     best_rank = *rank;
     best.push_back(i);
   }
-  const bool strays = std::any_of(table.header().begin(), table.header().end(),
-                                  [&](const LogHeader& column) { return is_stray(column, chain); });
+  const bool strays =
+      std::ranges::any_of(table.header(), [&](const LogHeader& column) { return is_stray(column, chain); });
   // A joint of which the file has counts or a velocity moves.
-  const auto moves = std::find_if(table.header().begin(), table.header().end(), [&](const LogHeader& column) {
+  const auto moves = std::ranges::find_if(table.header(), [&](const LogHeader& column) {
     return column.meaning.signal == joint + ".counts" || column.meaning.signal == joint + ".velocity";
   });
   if (best.empty() && may_rest && !strays && moves == table.header().end()) return std::nullopt;
@@ -357,8 +355,8 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
   std::vector<Unit> units;
   const std::size_t has_time = with_time == TimeColumn::required;
   if (has_time) {
-    const auto time = std::find_if(table.header().begin(), table.header().end(),
-                                   [](const LogHeader& h) { return h.meaning.signal == "time"; });
+    const auto time =
+        std::ranges::find_if(table.header(), [](const LogHeader& h) { return h.meaning.signal == "time"; });
     if (time == table.header().end())
       throw Error(table.header()[0].place, "time", "the file has no column for the time", "",
                   "add a column 'time [s]', or say which it is: log: {time: COLUMN}");
@@ -413,15 +411,14 @@ JointTable read_joint_table(const std::string& path, const Spec& spec, TimeColum
   }
   if (result.lines.empty())
     throw Error(table.last_line(), "", "the file has no rows of numbers", "", "give at least one");
-  result.positions =
-      Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
-                                        static_cast<Eigen::Index>(result.lines.size()));
+  result.positions = Eigen::Map<const Eigen::MatrixXd>(positions.data(), std::ssize(chain.independent),
+                                                       std::ssize(result.lines));
   for (auto* signals : {&result.efforts, &result.temperatures}) signals->resize(chain.independent.size());
-  const Eigen::Map<const Eigen::MatrixXd> by_row(load_values.data(), static_cast<Eigen::Index>(loads.size()),
-                                                 static_cast<Eigen::Index>(result.lines.size()));
+  const Eigen::Map<const Eigen::MatrixXd> by_row(load_values.data(), std::ssize(loads),
+                                                 std::ssize(result.lines));
   for (std::size_t i = 0; i < loads.size(); ++i)
     (loads[i].signal == LogSignal::effort ? result.efforts : result.temperatures)[loads[i].index] = {
-        loads[i].unit, by_row.row(static_cast<Eigen::Index>(i))};
+        loads[i].unit, by_row.row(i)};
   return result;
 }
 

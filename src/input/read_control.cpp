@@ -73,8 +73,7 @@ Eigen::Vector3d read_axes(const Field& f, const Dimension& d, const std::string&
   const std::vector<Field> items = read_list(f, example);
   if (items.size() != 3) f.refuse("must be three numbers, along x, y and z", "write " + example);
   Eigen::Vector3d axes;
-  for (Eigen::Index i = 0; i < 3; ++i)
-    axes[i] = read_number(items[static_cast<std::size_t>(i)], {.name = "axis", .dimension = d});
+  for (Eigen::Index i = 0; i < 3; ++i) axes[i] = read_number(items[i], {.name = "axis", .dimension = d});
   return axes;
 }
 
@@ -140,7 +139,7 @@ void add_controllers(const Field& f, const Control& control, Spec& spec) {
 /// A loop needs an inertia: one is stated, or the URDF has masses that the joint moves.
 void check_inertias(const Field& f, const Control& control, const Spec& spec) {
   const Chain& chain = spec.model.chain;
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.independent.size()));
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(std::ssize(chain.independent));
   if (!has_masses(chain)) return;
   for (std::size_t j = 0; j < control.joints.size(); ++j)
     if (control.joints[j].acts() && !control.joints[j].inertia && !(inertia_at(chain, j, zero) > 0))
@@ -178,7 +177,7 @@ void read_control(const Field& f, const RobotModel& robot, Spec& spec) {
     if (spec.model.tips)
       o.at("tip").refuse("is an impedance of one tip, and the robot has several",
                          "give the spec one 'robot.tip'");
-    if (std::any_of(control.joints.begin(), control.joints.end(), acts))
+    if (std::ranges::any_of(control.joints, acts))
       o.at("tip").refuse("torques have one controller, at the joints or at the tip",
                          "leave out kp and kd of the joints, or the tip");
     control.tip = read_impedance(o.at("tip"), spec);
@@ -261,10 +260,9 @@ void add_loop_readings(const Field& f, Spec& spec) {
 void add_signals_of_joints(Spec& spec) {
   for (const SignalKind& kind : signal_kinds())
     for (const Signal& s : find_signals(spec.model, kind.group)) {
-      const bool of_filter =
-          kind.joints && std::any_of(spec.filters.begin(), spec.filters.end(), [&](const NamedFilter& f) {
-            return !f.joints.empty() && is_filtered(f, s);
-          });
+      const bool of_filter = kind.joints && std::ranges::any_of(spec.filters, [&](const NamedFilter& f) {
+                               return !f.joints.empty() && is_filtered(f, s);
+                             });
       if (of_filter || kind.norms) add_signal(s, spec.model);
     }
 }

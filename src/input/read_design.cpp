@@ -17,6 +17,8 @@ namespace qerr {
 
 namespace {
 
+double price_at(const Field& f) { return read_number(f, {.name = "price", .least = 0}); }
+
 void read_goal(const Object& o, const Spec& spec, DesignRequest& request) {
   const std::string goal = o.text("minimize").value_or("price");
   if (goal == "resolution") {
@@ -50,63 +52,6 @@ void read_goal(const Object& o, const Spec& spec, DesignRequest& request) {
   }
 }
 
-}  // namespace
-
-Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec& spec) {
-  const std::string text = read_text_value(quantity);
-  const Place place = quantity.node->place;
-  const std::size_t point = text.rfind('.');
-  const bool alone = text.starts_with("encoder.") || text.starts_with("loop.") || text.starts_with("wall.") ||
-                     text.starts_with("control.") ||
-                     (point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
-                      find_named(spec.filters, text.substr(0, point)));  // without a statistic
-  Node entry = mapping_node({{"quantity", *quantity.node}});
-  entry.place = place;
-  if (given_statistic) {
-    entry.entries.push_back({{"statistic", given_statistic->place}, *given_statistic});
-  } else if (!alone) {
-    Node statistic = scalar_node("max");
-    for (const Requirement& r : spec.requirements)
-      if (r.quantity == text) {
-        statistic.text = r.statistic;
-        break;
-      }
-    statistic.place = place;
-    entry.entries.push_back({{"statistic", place}, statistic});
-  }
-  Node limit = scalar_node("1e300");  // none
-  limit.place = place;
-  entry.entries.push_back({{"at_most", place}, limit});
-  const Node list{Node::Type::sequence, place, {}, false, {entry}, {}};
-  Spec copy = spec;
-  Faults faults;
-  read_requirements({&list, quantity.path}, copy, faults);
-  faults.raise();
-  if (copy.requirements.back().counter >= 0)
-    quantity.refuse("is a limit of encoders, not a figure to choose by",
-                    "require it, and name an error, such as position.x.sigma");
-  return entry;
-}
-
-void read_design(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
-                 Faults& faults) {
-  const Object o(f, spec_format::design);
-  const auto request = std::make_shared<DesignRequest>();
-  request->place = f.node->place;
-  faults.guard([&] { read_goal(o, spec, *request); });
-  const bool priced = request->minimize == DesignRequest::Minimize::price || request->budget;
-  if (o.has("encoders"))
-    faults.guard(
-        [&] { read_design_encoders(o.at("encoders"), folder, robot, priced, spec, *request, faults); });
-  if (o.has("filters")) faults.guard([&] { read_design_filters(o.at("filters"), spec, *request, faults); });
-  if (o.has("gains")) faults.guard([&] { read_design_gains(o.at("gains"), robot, spec, *request, faults); });
-  if (!faults.any() && request->encoders.empty() && request->filters.empty() && request->gains.empty())
-    f.refuse("has nothing to choose", "add encoders: {'*': {bits: 12..23}}, filters or gains");
-  spec.design = request;
-}
-
-namespace {
-
 /// The whole numbers of a range FROM..TO; empty for other text.
 std::vector<Node> range_of(const Field& f) {
   const std::string& text = f.node->text;
@@ -126,34 +71,6 @@ std::vector<Node> range_of(const Field& f) {
   }
   return values;
 }
-
-}  // namespace
-
-std::vector<Node> values_of(const Field& f) {
-  std::vector<Field> items{f};
-  if (f.node->type == Node::Type::sequence) items = read_list(f);
-  if (items.empty()) f.refuse("the list is empty", "give at least one value");
-  std::vector<Node> values;
-  for (const Field& item : items) {
-    if (item.node->type != Node::Type::scalar)
-      item.refuse("must be a value or a range of whole numbers", "such as 12..23");
-    const std::vector<Node> range = range_of(item);
-    if (range.empty())
-      values.push_back(*item.node);
-    else
-      values.insert(values.end(), range.begin(), range.end());
-  }
-  for (std::size_t i = 0; i < values.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (values[i].text == values[k].text)
-        throw Error(values[i].place, f.path, "duplicate value", qerr::quoted(values[i].text),
-                    "keep one of the two");
-  return values;
-}
-
-double price_at(const Field& f) { return read_number(f, {.name = "price", .least = 0}); }
-
-namespace {
 
 /// The values of one gain, which all joints of the entry take together.
 void read_gain_options(const Object& o, const char* key, const GainOptions& of, const Spec& spec,
@@ -179,8 +96,7 @@ void read_gain_options(const Object& o, const char* key, const GainOptions& of, 
   request.gains.push_back(std::move(options));
 }
 
-}  // namespace
-
+/// `design.gains`: the values that kp and kd of controllers may take. @pre control is read
 void read_design_gains(const Field& f, const RobotModel& robot, const Spec& spec, DesignRequest& request,
                        Faults& faults) {
   if (!spec.model.control)
@@ -202,14 +118,12 @@ void read_design_gains(const Field& f, const RobotModel& robot, const Spec& spec
     });
 }
 
-namespace {
-
 /// Families with an order, a cut-off and nothing else that must be stated.
 std::vector<std::string> searched_families() {
   std::vector<std::string> names;
   for (const FilterFamily& family : filter_families()) {
     const auto has = [&](std::string_view key) { return has_row(family.parameters, key); };
-    const bool more = std::any_of(family.parameters.begin(), family.parameters.end(), [](const Parameter& p) {
+    const bool more = std::ranges::any_of(family.parameters, [](const Parameter& p) {
       return p.required && p.name != "order" && p.name != "cutoff";
     });
     if (has("order") && has("cutoff") && !more) names.emplace_back(family.name);
@@ -287,8 +201,7 @@ FilterOptions read_filter_options(const Node::Key& key, const Field& f, const Sp
   return options;
 }
 
-}  // namespace
-
+/// `design.filters`: what each filter of the spec may become.
 void read_design_filters(const Field& f, const Spec& spec, DesignRequest& request, Faults& faults) {
   for (const auto& entry : read_map(f)) {
     const Node::Key& key = entry.first;
@@ -296,8 +209,6 @@ void read_design_filters(const Field& f, const Spec& spec, DesignRequest& reques
     faults.guard([&] { request.filters.push_back(read_filter_options(key, field, spec)); });
   }
 }
-
-namespace {
 
 /// Reads the options of one entry of `design.encoders`.
 class OptionReader {
@@ -458,8 +369,8 @@ class OptionReader {
   bool priced_;
 };
 
-}  // namespace
-
+/// `design.encoders`: what each joint may have.
+/// @param priced  a price is minimized or limited, so that each option must state one
 void read_design_encoders(const Field& f, const std::string& folder, const RobotModel& robot, bool priced,
                           Spec& spec, DesignRequest& request, Faults& faults) {
   if (read_map(f).empty())
@@ -475,6 +386,83 @@ void read_design_encoders(const Field& f, const std::string& folder, const Robot
     }
     if (const auto& options = read[entry.path]) request.encoders.push_back({j, *options});
   }
+}
+
+}  // namespace
+
+Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec& spec) {
+  const std::string text = read_text_value(quantity);
+  const Place place = quantity.node->place;
+  const std::size_t point = text.rfind('.');
+  const bool alone = text.starts_with("encoder.") || text.starts_with("loop.") || text.starts_with("wall.") ||
+                     text.starts_with("control.") ||
+                     (point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
+                      find_named(spec.filters, text.substr(0, point)));  // without a statistic
+  Node entry = mapping_node({{"quantity", *quantity.node}});
+  entry.place = place;
+  if (given_statistic) {
+    entry.entries.push_back({{"statistic", given_statistic->place}, *given_statistic});
+  } else if (!alone) {
+    Node statistic = scalar_node("max");
+    for (const Requirement& r : spec.requirements)
+      if (r.quantity == text) {
+        statistic.text = r.statistic;
+        break;
+      }
+    statistic.place = place;
+    entry.entries.push_back({{"statistic", place}, statistic});
+  }
+  Node limit = scalar_node("1e300");  // none
+  limit.place = place;
+  entry.entries.push_back({{"at_most", place}, limit});
+  const Node list{Node::Type::sequence, place, {}, false, {entry}, {}};
+  Spec copy = spec;
+  Faults faults;
+  read_requirements({&list, quantity.path}, copy, faults);
+  faults.raise();
+  if (copy.requirements.back().counter >= 0)
+    quantity.refuse("is a limit of encoders, not a figure to choose by",
+                    "require it, and name an error, such as position.x.sigma");
+  return entry;
+}
+
+void read_design(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
+                 Faults& faults) {
+  const Object o(f, spec_format::design);
+  const auto request = std::make_shared<DesignRequest>();
+  request->place = f.node->place;
+  faults.guard([&] { read_goal(o, spec, *request); });
+  const bool priced = request->minimize == DesignRequest::Minimize::price || request->budget;
+  if (o.has("encoders"))
+    faults.guard(
+        [&] { read_design_encoders(o.at("encoders"), folder, robot, priced, spec, *request, faults); });
+  if (o.has("filters")) faults.guard([&] { read_design_filters(o.at("filters"), spec, *request, faults); });
+  if (o.has("gains")) faults.guard([&] { read_design_gains(o.at("gains"), robot, spec, *request, faults); });
+  if (!faults.any() && request->encoders.empty() && request->filters.empty() && request->gains.empty())
+    f.refuse("has nothing to choose", "add encoders: {'*': {bits: 12..23}}, filters or gains");
+  spec.design = request;
+}
+
+std::vector<Node> values_of(const Field& f) {
+  std::vector<Field> items{f};
+  if (f.node->type == Node::Type::sequence) items = read_list(f);
+  if (items.empty()) f.refuse("the list is empty", "give at least one value");
+  std::vector<Node> values;
+  for (const Field& item : items) {
+    if (item.node->type != Node::Type::scalar)
+      item.refuse("must be a value or a range of whole numbers", "such as 12..23");
+    const std::vector<Node> range = range_of(item);
+    if (range.empty())
+      values.push_back(*item.node);
+    else
+      values.insert(values.end(), range.begin(), range.end());
+  }
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (values[i].text == values[k].text)
+        throw Error(values[i].place, f.path, "duplicate value", qerr::quoted(values[i].text),
+                    "keep one of the two");
+  return values;
 }
 
 }  // namespace qerr

@@ -14,22 +14,6 @@
 
 namespace qerr {
 
-const EncoderKind& first_kind(bool at_joint) {
-  const auto& kinds = encoder_kinds();
-  return *std::find_if(kinds.begin(), kinds.end(), [&](const EncoderKind& kind) {
-    return (kind.resolution_at_joint != nullptr) == at_joint;
-  });
-}
-
-std::vector<std::string> encoder_keys() {
-  std::vector<std::string> keys;
-  for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& row : encoder_parameters(kind)) add_once(keys, std::string(row.name));
-  return keys;
-}
-
-bool is_encoder_key(const std::string& key) { return contains(encoder_keys(), key); }
-
 namespace {
 
 /// The keys of a kind and all common ones, also those that it has no use for.
@@ -79,6 +63,13 @@ void refuse_kind_as_unit(const Field& f, const EncoderKind& kind) {
                   quoted(text), "write " + std::string(other.name) + ": " + number);
 }
 
+/// The kind whose key the entry has; null if it has none.
+const EncoderKind* stated_kind(const Node& entry) {
+  for (const EncoderKind& kind : encoder_kinds())
+    if (entry.find(kind.name)) return &kind;
+  return nullptr;
+}
+
 const EncoderKind& stated_kind(const Field& f) {
   const EncoderKind* found = nullptr;
   for (const EncoderKind& kind : encoder_kinds()) {
@@ -104,26 +95,6 @@ void refuse_bare_encoder(const Field& f, const Chain& chain) {
       throw Error(entry.key.place, f.path_of(entry.key.name), "this is a key of an encoder, not a joint",
                   quoted(entry.key.name),
                   "name the joints: '*': {" + std::string(first_kind(false).example) + "} for all");
-}
-
-}  // namespace
-
-const EncoderKind& encoder_kind_of(const Field& f) {
-  if (f.node->type != Node::Type::mapping)
-    f.refuse("must be a mapping", "write {" + std::string(first_kind(false).example) + "}");
-  refuse_ambiguous_keys(f);
-  const EncoderKind& kind = stated_kind(f);
-  refuse_kind_as_unit(f, kind);
-  return kind;
-}
-
-namespace {
-
-/// The kind whose key the entry has; null if it has none.
-const EncoderKind* stated_kind(const Node& entry) {
-  for (const EncoderKind& kind : encoder_kinds())
-    if (entry.find(kind.name)) return &kind;
-  return nullptr;
 }
 
 /// Whether the value says something else than the default of the row.
@@ -320,7 +291,7 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
 /// Whether a joint's own entry repeats the travel of a pattern, of which it may be a copy with a change.
 bool repeats_travel(const JointEntry& entry) {
   const Node* own = entry.own.node ? entry.own.node->find("travel_per_rev") : nullptr;
-  return own && std::any_of(entry.patterns.begin(), entry.patterns.end(), [&](const Field& pattern) {
+  return own && std::ranges::any_of(entry.patterns, [&](const Field& pattern) {
            const Node* travel = pattern.node->find("travel_per_rev");
            return travel && travel->text == own->text;
          });
@@ -358,14 +329,59 @@ void refuse_missing(const Field& f, const Chain& chain, const std::vector<std::s
   if (!faults.empty()) throw Error(faults);
 }
 
+/// Joints that the coupling moves by several encoders, though their own one is stated as if at the joint.
+void warn_of_joint_side(const Field& f, Spec& spec) {
+  const Transmission& t = spec.model.transmission;
+  const auto n = std::ssize(t.encoders);
+  std::vector<std::string> names;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const EncoderFigures& figures = spec.encoder_figures[i];
+    if (figures.kind.empty()) continue;  // of a faulty entry
+    const EncoderKind& kind = encoder_kind(figures.kind);
+    const bool at_joint = kind.resolution_at_joint || (kind.absolute_within == AbsoluteRange::revolution &&
+                                                       std::abs(figures.gear_ratio) == 1);
+    if (at_joint && t.coupling.row(i) != Eigen::MatrixXd::Identity(n, n).row(i))
+      names.push_back(spec.model.chain.independent[i].name);
+  }
+  if (!names.empty())
+    spec.warnings.push_back(f.path + " multiplies the encoders of " + list_of_names(names) +
+                            ", too, which are stated as if they were at the joint (no gear_ratio): where an "
+                            "encoder is at the joint, "
+                            "give the joint a row of the identity; where it is at a motor, this is right");
+}
+
 }  // namespace
+
+const EncoderKind& first_kind(bool at_joint) {
+  const auto& kinds = encoder_kinds();
+  return *std::ranges::find_if(
+      kinds, [&](const EncoderKind& kind) { return (kind.resolution_at_joint != nullptr) == at_joint; });
+}
+
+std::vector<std::string> encoder_keys() {
+  std::vector<std::string> keys;
+  for (const EncoderKind& kind : encoder_kinds())
+    for (const Parameter& row : encoder_parameters(kind)) add_once(keys, std::string(row.name));
+  return keys;
+}
+
+bool is_encoder_key(const std::string& key) { return contains(encoder_keys(), key); }
+
+const EncoderKind& encoder_kind_of(const Field& f) {
+  if (f.node->type != Node::Type::mapping)
+    f.refuse("must be a mapping", "write {" + std::string(first_kind(false).example) + "}");
+  refuse_ambiguous_keys(f);
+  const EncoderKind& kind = stated_kind(f);
+  refuse_kind_as_unit(f, kind);
+  return kind;
+}
 
 void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
   const Chain& chain = spec.model.chain;
   Transmission& transmission = spec.model.transmission;
   const std::size_t n = chain.independent.size();
   transmission.encoders.resize(n);
-  transmission.coupling = Coupling::identity(static_cast<Eigen::Index>(n));
+  transmission.coupling = Coupling::identity(n);
   spec.encoder_figures.resize(n);
   refuse_bare_encoder(f, chain);
   const std::vector<JointEntry> entries = joint_entries(f, robot, spec, faults);
@@ -395,31 +411,6 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
   if (complete) faults.guard([&] { refuse_missing(f, chain, missing); });
 }
 
-namespace {
-
-/// Joints that the coupling moves by several encoders, though their own one is stated as if at the joint.
-void warn_of_joint_side(const Field& f, Spec& spec) {
-  const Transmission& t = spec.model.transmission;
-  const auto n = static_cast<Eigen::Index>(t.encoders.size());
-  std::vector<std::string> names;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const EncoderFigures& figures = spec.encoder_figures[static_cast<std::size_t>(i)];
-    if (figures.kind.empty()) continue;  // of a faulty entry
-    const EncoderKind& kind = encoder_kind(figures.kind);
-    const bool at_joint = kind.resolution_at_joint || (kind.absolute_within == AbsoluteRange::revolution &&
-                                                       std::abs(figures.gear_ratio) == 1);
-    if (at_joint && t.coupling.row(i) != Eigen::MatrixXd::Identity(n, n).row(i))
-      names.push_back(spec.model.chain.independent[static_cast<std::size_t>(i)].name);
-  }
-  if (!names.empty())
-    spec.warnings.push_back(f.path + " multiplies the encoders of " + list_of_names(names) +
-                            ", too, which are stated as if they were at the joint (no gear_ratio): where an "
-                            "encoder is at the joint, "
-                            "give the joint a row of the identity; where it is at a motor, this is right");
-}
-
-}  // namespace
-
 void read_coupling(const Field& f, Spec& spec) {
   const auto n = spec.model.chain.independent.size();
   const std::string shape =
@@ -431,8 +422,7 @@ void read_coupling(const Field& f, Spec& spec) {
     const std::vector<Field> row = read_list(rows[i]);
     if (row.size() != n) rows[i].refuse("the coupling has the wrong size", shape);
     for (std::size_t j = 0; j < n; ++j)
-      coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          read_number(row[j], {.name = "coupling", .least = -most_ratio, .most = most_ratio});
+      coupling(i, j) = read_number(row[j], {.name = "coupling", .least = -most_ratio, .most = most_ratio});
   }
   if (!coupling.allFinite() || rank(coupling) < static_cast<Eigen::Index>(n))
     throw Error(f.node->place, f.path, "the coupling is singular: a joint motion moves no encoder",

@@ -52,7 +52,7 @@ void read_values(const Object& o, const std::vector<Parameter>& rows, std::map<s
 /// Whether the filter has the key of the representation or one of its companion keys.
 bool uses(const Object& o, const FilterRepresentation& r) {
   return o.has(r.key.name) ||
-         std::any_of(r.beside.begin(), r.beside.end(), [&](const Parameter& p) { return o.has(p.name); });
+         std::ranges::any_of(r.beside, [&](const Parameter& p) { return o.has(p.name); });
 }
 
 Filter represented(const Object& o, const FilterRepresentation& r, const FilterDesign& d) {
@@ -173,12 +173,9 @@ Error placed(const Error& e, const Field& f) {
 
 /// The order of the derivative that a filter's name promises: `velocity`, `joint_vel`, `acc`; 0 if none.
 int promised_derivative(const std::string& name) {
-  std::string lower;
-  for (const char c : name)
-    lower += std::isalpha(static_cast<unsigned char>(c))
-                 ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
-                 : ' ';
-  lower = ' ' + lower + ' ';
+  std::string lower = ' ' + lower_case(name) + ' ';
+  std::ranges::replace_if(
+      lower, [](char c) { return !std::isalpha(static_cast<unsigned char>(c)); }, ' ');
   const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
   if (has("jerk")) return 3;
   if (has("accel") || has(" acc ")) return 2;

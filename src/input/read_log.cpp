@@ -103,9 +103,8 @@ Joining joining_of(LogSignal signal) {
 
 /// Whether an encoder alone measures the joint of its index, and no other joint.
 bool is_uncoupled(const Transmission& t, std::size_t encoder) {
-  const auto i = static_cast<Eigen::Index>(encoder);
-  return t.coupling(i, i) != 0 && (t.coupling.row(i).array() != 0).count() == 1 &&
-         (t.coupling.col(i).array() != 0).count() == 1;
+  return t.coupling(encoder, encoder) != 0 && (t.coupling.row(encoder).array() != 0).count() == 1 &&
+         (t.coupling.col(encoder).array() != 0).count() == 1;
 }
 
 void note(Wraps& wraps, std::uint64_t row, double time) {
@@ -152,7 +151,7 @@ class LogReader::Rows {
   }
 
   bool next(Eigen::ArrayXXd& rows) {
-    rows.resize(most_, static_cast<Eigen::Index>(log.columns.size()));
+    rows.resize(most_, std::ssize(log.columns));
     Eigen::Index count = 0;
     file_rows.clear();
     while (count < most_ && table_.next(rows.data() + count, most_)) {
@@ -217,7 +216,7 @@ class LogReader::Rows {
     return {index, std::min(physical, most_counts * step), most_counts * step < physical};
   }
   std::string unit_of(Eigen::Index column) const {
-    const std::string unit = unit_name(log.columns[static_cast<std::size_t>(column)].scale.dimension);
+    const std::string unit = unit_name(log.columns[column].scale.dimension);
     return unit.empty() ? "" : ' ' + unit;
   }
 
@@ -225,7 +224,7 @@ class LogReader::Rows {
   void check(Eigen::ArrayXXd& rows, Eigen::Index row) {
     for (const Eigen::Index c : scaled_) {
       double& value = rows(row, c);
-      value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
+      value = log.columns[c].scale.in_si(value);
     }
     for (const auto& [c, most, counts] : bounds_)
       if (std::abs(rows(row, c)) > most)  // false for a cell without a value
@@ -241,7 +240,7 @@ class LogReader::Rows {
         if (!off_grid)
           off_grid = fault(c, "counts must be integers",
                            "a position in rad or m belongs in the column '.measured [rad]'");
-        const std::size_t encoder = log.columns[static_cast<std::size_t>(c)].index;
+        const std::size_t encoder = log.columns[c].index;
         if (!is_uncoupled(transmission_, encoder) || !grid.add(value)) throw Error(*off_grid);
       }
       value = 0.0 + direction * value;  // no -0
@@ -263,7 +262,7 @@ class LogReader::Rows {
   void find_grids() {
     for (const auto& [c, direction, grid, off_grid] : counts_) {
       if (!off_grid) continue;
-      LogColumn& column = log.columns[static_cast<std::size_t>(c)];
+      LogColumn& column = log.columns[c];
       column.denominator = grid.denominator(column.text.most_decimals);
       if (column.denominator <= 1) throw Error(*off_grid);
     }
@@ -271,8 +270,7 @@ class LogReader::Rows {
 
   /// Of a row of the present block, from 0.
   std::uint64_t row_in_file(Eigen::Index i) const {
-    return file_rows.empty() ? log.rows + static_cast<std::uint64_t>(i)
-                             : file_rows[static_cast<std::size_t>(i)];
+    return file_rows.empty() ? log.rows + static_cast<std::uint64_t>(i) : file_rows[i];
   }
 
   /// Whether a column has poses and no samples of a motion: what a row differs by from the line through those
@@ -291,7 +289,7 @@ class LogReader::Rows {
         poses_ = poses_ || has_poses(rows.col(column), unwrap.turn());
     for (auto& [column, unwrap] : unwraps_) {
       if (poses_) break;
-      Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
+      Wraps& wraps = log.columns[column].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         std::int64_t before = unwrap.turns();
         rows(i, column) = unwrap(rows(i, column));
@@ -310,7 +308,7 @@ class LogReader::Rows {
   /// Removes whole turns between a reference and the measured position: the initial ones, and in a table of
   /// poses those of every row.
   void align(TurnAlignment& f, Eigen::ArrayXXd& rows) {
-    LogColumn& column = log.columns[static_cast<std::size_t>(f.column)];
+    LogColumn& column = log.columns[f.column];
     const bool first = log.rows == 0, in_time = time_ && !poses_;
     if (!first && in_time) {
       rows.col(f.column) += static_cast<double>(f.turns) * f.turn;

@@ -169,11 +169,10 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!is_candidate(i)) continue;
     if (range.rows() == 0) range = extent(motion);
-    const auto row = static_cast<Eigen::Index>(i);
-    if (inside(range(row, 0), *joints[i].limits) && inside(range(row, 1), *joints[i].limits)) continue;
+    if (inside(range(i, 0), *joints[i].limits) && inside(range(i, 1), *joints[i].limits)) continue;
     throw Error(places[i], "motion.joints." + joints[i].name,
                 "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
-                "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
+                "it spans " + text_of({range(i, 0), range(i, 1)}, joints[i]),
                 "shift its center or reduce its amplitude; degrees need their unit; a joint that is not "
                 "listed stays at 0");
   }
@@ -183,7 +182,7 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
 void leave_out_currents(const std::string& path, Spec& spec, std::vector<RecordedSignal>& efforts) {
   for (std::size_t i = 0; i < efforts.size(); ++i) {
     const IndependentJoint& joint = spec.model.chain.independent[i];
-    const std::string unit = joint.prismatic() ? "N" : "N m";
+    const std::string unit = joint.effort_unit();
     if (efforts[i].values.size() == 0 || efforts[i].unit == unit) continue;
     spec.warnings.push_back(path + ": '" + joint.name + ".effort' is in " + efforts[i].unit + ", not in " +
                             unit + ": the load is that of the URDF's masses");

@@ -18,7 +18,7 @@ using Words = std::vector<std::pair<std::string, Value>>;
 
 template <class Value>
 const Value* find(const Words<Value>& words, const std::string& word) {
-  const auto at = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == word; });
+  const auto at = std::ranges::find_if(words, [&](const auto& w) { return w.first == word; });
   return at == words.end() ? nullptr : &at->second;
 }
 
@@ -59,9 +59,8 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   if (found.size() != 1) f.refuse("no such coordinate '" + word + "'", did_you_mean(word, known));
   if (!coordinate) add_signal(found.front(), spec.model);
   const std::vector<Signal> all = all_signals(spec.model);
-  return static_cast<std::size_t>(
-      std::find_if(all.begin(), all.end(), [&](const Signal& s) { return s.name == found.front().name; }) -
-      all.begin());
+  return std::ranges::find_if(all, [&](const Signal& s) { return s.name == found.front().name; }) -
+         all.begin();
 }
 
 /// The signal and the coordinate of a quantity without its bound: of `velocity.x` velocity and x. Both may
@@ -87,9 +86,8 @@ bool read_control_figure(const Field& f, const Spec& spec, Requirement& r) {
   const bool figure = first == "loop" || first == "wall" || first == "control";
   if (!figure && first != "torque" && first != "closed_torque" && first != "closed_position") return false;
   const std::vector<std::string> names = signal_names(spec.model);  // such as those of a tip named `torque`
-  if (!spec.model.control && std::none_of(names.begin(), names.end(), [&](const std::string& name) {
-        return name.starts_with(first + '.');
-      }))
+  if (!spec.model.control &&
+      std::ranges::none_of(names, [&](const std::string& name) { return name.starts_with(first + '.'); }))
     f.refuse("the spec has no controllers", "add 'control: {joints: {...}}' (qerr help control)");
   if (!figure) return false;
   Words<Dimension> figures;
@@ -115,7 +113,7 @@ bool read_counter(const Field& f, const Spec& spec, Requirement& r) {
     return false;
   Words<std::ptrdiff_t> joints;
   for (const IndependentJoint& joint : spec.model.chain.independent)
-    joints.emplace_back(joint.name, static_cast<std::ptrdiff_t>(joints.size()));
+    joints.emplace_back(joint.name, std::ssize(joints));
   r.counter = pick(f, r.quantity.substr(before.size(), r.quantity.size() - before.size() - after.size()),
                    "joint", joints);
   return true;
@@ -123,7 +121,7 @@ bool read_counter(const Field& f, const Spec& spec, Requirement& r) {
 
 /// `torque.JOINT.BOUND`, where `torque.JOINT` is the filter of a joint's controller. @returns whether it is
 bool read_torque(const Spec& spec, std::ptrdiff_t filter, const std::string& end, Requirement& r) {
-  const NamedFilter& f = spec.filters[static_cast<std::size_t>(filter)];
+  const NamedFilter& f = spec.filters[filter];
   if (!f.controller || find_filter_figure(end)) return false;
   for (const Bound b : bounds_of(true))
     if (name_of(b) == end) r.bound = b;
@@ -139,7 +137,7 @@ bool read_torque(const Spec& spec, std::ptrdiff_t filter, const std::string& end
 void check_passed(const Field& f, const Spec& spec, const Requirement& r) {
   const Signal signal = all_signals(spec.model)[r.signal];
   if (r.filter < 0) return;
-  const NamedFilter& filter = spec.filters[static_cast<std::size_t>(r.filter)];
+  const NamedFilter& filter = spec.filters[r.filter];
   if (is_filtered(filter, signal)) return;
   std::string joints;
   for (const std::size_t j : filter.joints)
@@ -199,9 +197,9 @@ Dimension dimension_of(const std::string& unit) {
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
   if (r.of_control) return dimension_of_control(r, spec);
   if (r.counter >= 0) return dimension::frequency;
-  if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  if (r.figure) return r.figure->dimension(spec.filters[r.filter].filter);
   const Dimension d = dimension_of(all_signals(spec.model)[r.signal].unit);
-  return r.filter < 0 ? d : output_dimension(d, spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  return r.filter < 0 ? d : output_dimension(d, spec.filters[r.filter].filter);
 }
 
 void read_statistic(const Object& o, const Spec& spec, Requirement& r) {
@@ -229,9 +227,9 @@ void read_statistic(const Object& o, const Spec& spec, Requirement& r) {
 
 std::string unit_of(const Requirement& r, const Spec& spec) {
   if (r.counter >= 0) return "counts/s";  // Hz would be that of a channel's signal
-  if (r.figure) return figure_unit(*r.figure, spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  if (r.figure) return figure_unit(*r.figure, spec.filters[r.filter].filter);
   // A law whose unit is not stated is shown without one.
-  if (r.filter >= 0 && has_unknown_unit(spec.filters[static_cast<std::size_t>(r.filter)].filter)) return "";
+  if (r.filter >= 0 && has_unknown_unit(spec.filters[r.filter].filter)) return "";
   return unit_name(dimension_of(r, spec));
 }
 

@@ -22,9 +22,8 @@ struct DhEntry {
 
 bool is_variable(std::string_view word) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  return !word.empty() && letter(word.front()) && std::all_of(word.begin(), word.end(), [&](char c) {
-    return letter(c) || (c >= '0' && c <= '9') || c == '.';
-  });
+  return !word.empty() && letter(word.front()) &&
+         std::ranges::all_of(word, [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '.'; });
 }
 
 /// `-q2`, or a variable without sign. @returns whether the word is one
@@ -76,15 +75,15 @@ DhEntry read_entry(const Object& o, std::string_view key, Dimension dimension) {
   f.refuse("must be a quantity, or a joint's variable with an offset", "write " + example);
 }
 
+Eigen::Isometry3d turn(double angle, const Eigen::Vector3d& axis) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(angle, axis));
+}
+
 /// An angle of the table; one without unit beyond a turn was meant in degrees.
 double within_turn(const Field& f, double angle) {
   if (std::abs(angle) > two_pi)
     f.refuse("an angle of a DH table is within a turn; without a unit it is in rad", "write 90 deg, or pi/2");
   return angle;
-}
-
-Eigen::Isometry3d turn(double angle, const Eigen::Vector3d& axis) {
-  return Eigen::Isometry3d(Eigen::AngleAxisd(angle, axis));
 }
 
 Eigen::Isometry3d shift(double x, double z) { return Eigen::Isometry3d(Eigen::Translation3d(x, 0, z)); }
@@ -93,6 +92,19 @@ struct DhRow {
   Joint joint;  // its origin: of what the row has before the motion
   Eigen::Isometry3d behind = Eigen::Isometry3d::Identity();  // the motion
 };
+
+/// [lower, upper] of a joint without URDF.
+Limits read_limits_of_joint(const Field& f, bool prismatic) {
+  const std::string example =
+      prismatic ? "[lower, upper], such as [0, 300 mm]" : "[lower, upper], such as [-90 deg, 90 deg]";
+  const std::vector<Field> ends = read_list(f, example);
+  if (ends.size() != 2) f.refuse("limits must be two numbers", "write " + example);
+  const Parameter row{.name = "limits", .coordinate = true};
+  const Dimension dimension = prismatic ? dimension::length : dimension::angle;
+  const Limits limits{read_number(ends[0], row, dimension), read_number(ends[1], row, dimension)};
+  if (limits.lower > limits.upper) f.refuse("the lower limit is above the upper one", "write " + example);
+  return limits;
+}
 
 /// The transforms of a row around its motion.
 ///
@@ -142,6 +154,16 @@ bool looks_modified(const std::vector<Field>& rows) {
   return rows.size() > 1 && !has_link(rows.front()) && has_link(rows.back());
 }
 
+Eigen::Vector3d read_three(const Object& o, std::string_view key, Dimension dimension) {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  if (!o.has(key)) return v;
+  const Field list = o.at(key);
+  const std::vector<Field> items = read_list(list);
+  if (items.size() != 3) list.refuse("needs three numbers", "write [0, 0, 0]");
+  for (Eigen::Index i = 0; i < 3; ++i) v[i] = read_number(items[i], {.name = key, .dimension = dimension});
+  return v;
+}
+
 }  // namespace
 
 RobotModel read_dh(const Field& f, const std::string& convention, const std::string& file,
@@ -184,18 +206,6 @@ RobotModel read_dh(const Field& f, const std::string& convention, const std::str
   return model;
 }
 
-Limits read_limits_of_joint(const Field& f, bool prismatic) {
-  const std::string example =
-      prismatic ? "[lower, upper], such as [0, 300 mm]" : "[lower, upper], such as [-90 deg, 90 deg]";
-  const std::vector<Field> ends = read_list(f, example);
-  if (ends.size() != 2) f.refuse("limits must be two numbers", "write " + example);
-  const Parameter row{.name = "limits", .coordinate = true};
-  const Dimension dimension = prismatic ? dimension::length : dimension::angle;
-  const Limits limits{read_number(ends[0], row, dimension), read_number(ends[1], row, dimension)};
-  if (limits.lower > limits.upper) f.refuse("the lower limit is above the upper one", "write " + example);
-  return limits;
-}
-
 RobotModel read_joint(const Field& f, const std::string& file) {
   const Object o(f, spec_format::joint);
   const bool prismatic = o.choice("type") == "prismatic";
@@ -231,22 +241,6 @@ RobotModel read_joint(const Field& f, const std::string& file) {
 }
 
 /// Reads the keys `robot.tool` and `robot.tracker` of a spec.
-
-namespace {
-
-Eigen::Vector3d read_three(const Object& o, std::string_view key, Dimension dimension) {
-  Eigen::Vector3d v = Eigen::Vector3d::Zero();
-  if (!o.has(key)) return v;
-  const Field list = o.at(key);
-  const std::vector<Field> items = read_list(list);
-  if (items.size() != 3) list.refuse("needs three numbers", "write [0, 0, 0]");
-  for (Eigen::Index i = 0; i < 3; ++i)
-    v[i] = read_number(items[static_cast<std::size_t>(i)], {.name = key, .dimension = dimension});
-  return v;
-}
-
-}  // namespace
-
 Eigen::Isometry3d read_pose(const Field& f) {
   const Object o(f, spec_format::pose);
   const Eigen::Vector3d rpy = read_three(o, "rpy", dimension::angle);

@@ -37,8 +37,6 @@ void read_coupling(const Field&, Spec&);
 /// A robot of one joint without URDF, between the links `base` and `tip`: revolute about z, with the tip at
 /// `radius` on x, or prismatic along x.
 RobotModel read_joint(const Field&, const std::string& file);
-/// [lower, upper] of a joint without URDF.
-Limits read_limits_of_joint(const Field&, bool prismatic);
 /// A robot of a table of Denavit and Hartenberg, a link a row, between the links `base` and `tip`.
 /// @param convention  standard, modified, or empty: standard, with a warning where it looks like the other
 RobotModel read_dh(const Field&, const std::string& convention, const std::string& file,

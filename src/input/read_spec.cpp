@@ -66,7 +66,7 @@ void refuse_xml(const std::string& text, const std::string& path) {
 
 /// Whether a key of the top level stands anywhere in a text, with its colon.
 bool names_a_section(const std::string& text) {
-  return std::any_of(spec_format::top.begin(), spec_format::top.end(), [&](const Parameter& p) {
+  return std::ranges::any_of(spec_format::top, [&](const Parameter& p) {
     for (std::size_t at = 0; (at = text.find(p.name, at)) != std::string::npos; at += p.name.size())
       if (const std::size_t colon = text.find_first_not_of("\"' ", at + p.name.size());
           colon != std::string::npos && text[colon] == ':')

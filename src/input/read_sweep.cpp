@@ -135,8 +135,7 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& u
     throw Error(o.self().node->place, o.self().path, "a sweep varies at most 1000 keys", "",
                 "vary an entry wholly: {key: encoders.elbow, values: [{bits: 12}, ...]}");
   for (const std::string& key : axis.keys) {
-    const auto same =
-        std::find_if(used.begin(), used.end(), [&](const auto& u) { return set_one_value(key, u); });
+    const auto same = std::ranges::find_if(used, [&](const auto& u) { return set_one_value(key, u); });
     if (same != used.end())
       o.at(o.has("key") ? "key" : "keys")
           .refuse("varies the same value twice: " + key + (*same == key ? "" : " and " + *same),

@@ -174,7 +174,7 @@ void split_planar_joints(RobotModel& model) {
     std::vector<std::string>& names = parts[planar.name];
     for (int k = 0; k < 3; ++k) {
       Joint& joint = joints.emplace_back(planar);
-      joint.name += planar_coordinates[static_cast<std::size_t>(k)];
+      joint.name += planar_coordinates[k];
       joint.type = k < 2 ? JointType::prismatic : JointType::continuous;
       if (k < 2) joint.axis = in_plane * Eigen::Vector3d::Unit(k);
       joint.velocity_limit = joint.effort_limit = joint.stated_ratio = std::nullopt;

@@ -305,7 +305,7 @@ std::optional<Dimension> dimension_of(const std::string& path) {
 }
 
 bool may_name_a_file(std::string_view key) {
-  return std::any_of(file_keys().begin(), file_keys().end(), [&](std::string_view file_key) {
+  return std::ranges::any_of(file_keys(), [&](std::string_view file_key) {
     return file_key.starts_with(key) && (file_key.size() == key.size() || file_key[key.size()] == '.');
   });
 }

@@ -263,21 +263,20 @@ ChainOf SpecReader::chain_of() {
 
 bool SpecReader::reads_again(const Stage& stage, const std::vector<std::string>& changed) {
   const auto any = [&](const std::vector<std::string>& sections) {
-    return std::any_of(sections.begin(), sections.end(),
-                       [&](const std::string& section) { return contains(changed, section); });
+    return std::ranges::any_of(sections,
+                               [&](const std::string& section) { return contains(changed, section); });
   };
   return any(stage.sections) || any(stage.refers_to);
 }
 
 bool SpecReader::reads_again(const std::string& section, const std::vector<std::string>& changed) {
-  return std::any_of(stages().begin(), stages().end(), [&](const Stage& stage) {
+  return std::ranges::any_of(stages(), [&](const Stage& stage) {
     return contains(stage.sections, section) && reads_again(stage, changed);
   });
 }
 
 bool SpecReader::can_change(const std::string& section) {
-  return std::any_of(stages().begin(), stages().end(),
-                     [&](const Stage& stage) { return contains(stage.sections, section); });
+  return std::ranges::any_of(stages(), [&](const Stage& stage) { return contains(stage.sections, section); });
 }
 
 Spec SpecReader::reread(const Node& root, const std::vector<std::string>& changed) const {
@@ -378,7 +377,7 @@ void SpecReader::read_tips(const Object& robot) {
                            "leave it out; a tool may be a fixed link of the URDF");
   std::vector<std::pair<std::string, std::string>> tips;
   for (const auto& [key, link] : read_map(robot.at("tips"))) {
-    const bool word = std::all_of(key.name.begin(), key.name.end(), [](char c) {
+    const bool word = std::ranges::all_of(key.name, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
     });
     if (!word || key.name.empty())

@@ -19,79 +19,6 @@ std::string section_of(const std::string& key) { return key.substr(0, key.find_f
 /// Sections that say how designs are found, not what they are.
 bool is_search(const std::string& section) { return section == "sweep" || section == "design"; }
 
-}  // namespace
-
-void add_effect(Node& root, const Node& effect) {
-  Node* list = root.find("effects");
-  if (!list) {
-    root.entries.push_back({{"effects", effect.place}, {}});
-    list = &root.entries.back().value;
-    list->type = Node::Type::sequence;
-    list->place = effect.place;
-  }
-  const auto same = [&](const Node& other, std::string_view key) {
-    const Node *const a = other.find(key), *const b = effect.find(key);
-    return a && b && a->text == b->text;
-  };
-  const auto found = std::find_if(list->items.begin(), list->items.end(), [&](const Node& other) {
-    return same(other, "type") && same(other, "joint");
-  });
-  if (found == list->items.end())
-    list->items.push_back(effect);
-  else
-    *found = effect;
-}
-
-SpecVariants::SpecVariants(const std::string& text, const std::string& path, const SpecOverrides& overrides)
-    : overrides_(spec_changes(overrides.values)),
-      seed_(overrides.seed),
-      reader_(path),
-      base_(parse_spec(text, path, overrides)) {
-  std::erase_if(overrides_, [](const SpecChange& change) { return is_search(section_of(change.first)); });
-  root_ = parse_yaml(text, path);
-  std::erase_if(root_.entries, [](const Node::Entry& entry) { return is_search(entry.key.name); });
-  Node root = root_;
-  warnings_ = apply_changes(root, overrides_, reader_.chain_of());
-  reader_.read(root);
-}
-
-Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::vector<Node>& effects) const {
-  std::vector<std::string> changed;
-  for (const SpecChange& change : changes)
-    if (!contains(changed, section_of(change.first))) changed.push_back(section_of(change.first));
-  if (!effects.empty() && !contains(changed, "effects")) changed.emplace_back("effects");
-  const bool whole = std::any_of(changed.begin(), changed.end(),
-                                 [](const std::string& s) { return !SpecReader::can_change(s); });
-  Node root = mapping_node({});
-  root.place = root_.place;
-  const auto wanted = [&](const std::string& section) {
-    return whole || SpecReader::reads_again(section, changed);
-  };
-  for (const Node::Entry& entry : root_.entries)
-    if (wanted(entry.key.name)) root.entries.push_back(entry);
-  std::vector<SpecChange> all;
-  for (const SpecChange& override : overrides_)
-    if (wanted(section_of(override.first))) all.push_back(override);
-  all.insert(all.end(), changes.begin(), changes.end());
-  SpecReader reader(base_.file);
-  const auto base_chain = [&](const Node&) -> const Chain& { return base_.model.chain; };
-  std::vector<std::string> warnings =
-      apply_changes(root, all, whole ? reader.chain_of() : ChainOf(base_chain));
-  for (const std::string& of_base : warnings_) add_once(warnings, of_base);
-  for (const Node& effect : effects) add_effect(root, effect);
-
-  Spec spec = whole ? reader.read(root) : reader_.reread(root, changed);
-  spec.warnings.insert(spec.warnings.begin(), warnings.begin(), warnings.end());
-  spec.text = base_.text;
-  spec.sha256 = base_.sha256;
-  spec.overrides = base_.overrides;
-  for (const auto& [key, value] : changes) spec.overrides.emplace_back(key, flow(value));
-  if (seed_) spec.configurations.seed = *seed_;
-  return spec;
-}
-
-namespace {
-
 Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
   Node root = parse_yaml(spec.text, spec.file);
   SpecReader reader(spec.file);
@@ -100,7 +27,7 @@ Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
 }
 
 SpecOverrides without(SpecOverrides overrides, std::size_t i) {
-  overrides.values.erase(overrides.values.begin() + static_cast<std::ptrdiff_t>(i));
+  overrides.values.erase(overrides.values.begin() + i);
   return overrides;
 }
 
@@ -153,33 +80,13 @@ class ReportOfAll {
   std::optional<std::optional<std::string>> begin_, whole_;
 };
 
-}  // namespace
-
-std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
-                                        const std::vector<std::string_view>& unused,
-                                        const ReportText& report) {
-  std::vector<std::string> warnings;
-  ReportOfAll compared(spec, report);
-  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
-    const std::string& key = overrides.values[i].first;
-    const std::string section = section_of(key);
-    if (contains(unused, section))
-      warnings.push_back("--set " + key + ": this command does not use " + section);
-    else if (compared.shows_no_change(overrides, without(overrides, i)))
-      warnings.push_back("--set " + key + " changes no figure of this report");
-  }
-  return warnings;
-}
-
-namespace {
-
 void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
   const auto same = [](const Encoder& a, const Encoder& b) {
     return a.resolution == b.resolution && a.accuracy == b.accuracy && a.rounding == b.rounding;
   };
   const auto chosen = [&](std::size_t joint) {
-    return std::any_of(spec.design->encoders.begin(), spec.design->encoders.end(),
-                       [&](const JointOptions& options) { return options.joint == joint; });
+    return std::ranges::any_of(spec.design->encoders,
+                               [&](const JointOptions& options) { return options.joint == joint; });
   };
   for (std::size_t i = 0; i < overrides.values.size(); ++i) {
     const auto& [key, value] = overrides.values[i];
@@ -192,7 +99,7 @@ void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
       for (std::size_t j = 0; j < encoders.size() && encoders.size() == before.size(); ++j)
         if (!same(encoders[j], before[j]))
           governed.push_back(chosen(j) ? spec.model.chain.independent[j].name : "");
-      governs = governed.empty() || std::count(governed.begin(), governed.end(), "") > 0;
+      governs = governed.empty() || std::ranges::count(governed, "") > 0;
     } catch (const Error&) {  // the spec needs the override
     }
     if (!governs)
@@ -231,6 +138,90 @@ void refuse_chosen_filters(const Spec& spec, const SpecOverrides& overrides) {
 }
 
 }  // namespace
+
+void add_effect(Node& root, const Node& effect) {
+  Node* list = root.find("effects");
+  if (!list) {
+    root.entries.push_back({{"effects", effect.place}, {}});
+    list = &root.entries.back().value;
+    list->type = Node::Type::sequence;
+    list->place = effect.place;
+  }
+  const auto same = [&](const Node& other, std::string_view key) {
+    const Node *const a = other.find(key), *const b = effect.find(key);
+    return a && b && a->text == b->text;
+  };
+  const auto found = std::ranges::find_if(
+      list->items, [&](const Node& other) { return same(other, "type") && same(other, "joint"); });
+  if (found == list->items.end())
+    list->items.push_back(effect);
+  else
+    *found = effect;
+}
+
+SpecVariants::SpecVariants(const std::string& text, const std::string& path, const SpecOverrides& overrides)
+    : overrides_(spec_changes(overrides.values)),
+      seed_(overrides.seed),
+      reader_(path),
+      base_(parse_spec(text, path, overrides)) {
+  std::erase_if(overrides_, [](const SpecChange& change) { return is_search(section_of(change.first)); });
+  root_ = parse_yaml(text, path);
+  std::erase_if(root_.entries, [](const Node::Entry& entry) { return is_search(entry.key.name); });
+  Node root = root_;
+  warnings_ = apply_changes(root, overrides_, reader_.chain_of());
+  reader_.read(root);
+}
+
+Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::vector<Node>& effects) const {
+  std::vector<std::string> changed;
+  for (const SpecChange& change : changes)
+    if (!contains(changed, section_of(change.first))) changed.push_back(section_of(change.first));
+  if (!effects.empty() && !contains(changed, "effects")) changed.emplace_back("effects");
+  const bool whole =
+      std::ranges::any_of(changed, [](const std::string& s) { return !SpecReader::can_change(s); });
+  Node root = mapping_node({});
+  root.place = root_.place;
+  const auto wanted = [&](const std::string& section) {
+    return whole || SpecReader::reads_again(section, changed);
+  };
+  for (const Node::Entry& entry : root_.entries)
+    if (wanted(entry.key.name)) root.entries.push_back(entry);
+  std::vector<SpecChange> all;
+  for (const SpecChange& override : overrides_)
+    if (wanted(section_of(override.first))) all.push_back(override);
+  all.insert(all.end(), changes.begin(), changes.end());
+  SpecReader reader(base_.file);
+  const auto base_chain = [&](const Node&) -> const Chain& { return base_.model.chain; };
+  std::vector<std::string> warnings =
+      apply_changes(root, all, whole ? reader.chain_of() : ChainOf(base_chain));
+  for (const std::string& of_base : warnings_) add_once(warnings, of_base);
+  for (const Node& effect : effects) add_effect(root, effect);
+
+  Spec spec = whole ? reader.read(root) : reader_.reread(root, changed);
+  spec.warnings.insert(spec.warnings.begin(), warnings.begin(), warnings.end());
+  spec.text = base_.text;
+  spec.sha256 = base_.sha256;
+  spec.overrides = base_.overrides;
+  for (const auto& [key, value] : changes) spec.overrides.emplace_back(key, flow(value));
+  if (seed_) spec.configurations.seed = *seed_;
+  return spec;
+}
+
+std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
+                                        const std::vector<std::string_view>& unused,
+                                        const ReportText& report) {
+  std::vector<std::string> warnings;
+  ReportOfAll compared(spec, report);
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const std::string& key = overrides.values[i].first;
+    const std::string section = section_of(key);
+    if (contains(unused, section))
+      warnings.push_back("--set " + key + ": this command does not use " + section);
+    else if (compared.shows_no_change(overrides, without(overrides, i)))
+      warnings.push_back("--set " + key + " changes no figure of this report");
+  }
+  return warnings;
+}
 
 void refuse_chosen(const Spec& spec, const SpecOverrides& overrides) {
   refuse_chosen_encoders(spec, overrides);

@@ -313,16 +313,17 @@ std::string_view without_text_mark(std::string_view cell) {
                                                                                         : cell;
 }
 
-bool has_decimal_commas(const std::vector<std::string>& cells) {
-  bool commas = false;
+Commas commas_of(const std::vector<std::string>& cells) {
+  bool points = false, commas = false, decimal = false;
   for (const std::string& cell : cells) {
-    if (cell.find('.') != std::string::npos) return false;
+    points = points || cell.find('.') != std::string::npos;
     if (cell.find(',') == std::string::npos || !is_numeric(cell, ',')) continue;
     std::string pointed = cell;
     std::replace(pointed.begin(), pointed.end(), ',', '.');
-    commas = commas || !may_be_thousands(pointed);
+    commas = true;
+    decimal = decimal || !may_be_thousands(pointed);
   }
-  return commas;
+  return !commas ? Commas::none : decimal && !points ? Commas::decimal : Commas::ambiguous;
 }
 
 NumberAndUnit number_and_unit(std::string_view cell, char decimal) {

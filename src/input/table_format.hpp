@@ -85,8 +85,9 @@ bool make_decimal_notation(std::string& cell);
 /// Either of the first two, where there is something to change.
 void make_plain_number(std::string& cell);
 
-/// Whether these cells of a column have decimal commas, in a table of decimal points: a comma that cannot be
-/// one of thousands, and no point.
-bool has_decimal_commas(const std::vector<std::string>& cells);
+/// The commas in the numbers of a column, in a table of decimal points: decimal ones, of which one cannot be
+/// of thousands, and no cell has a point; else they may be of thousands.
+enum class Commas { none, ambiguous, decimal };
+Commas commas_of(const std::vector<std::string>& cells);
 
 }  // namespace qerr

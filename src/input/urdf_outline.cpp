@@ -80,8 +80,7 @@ class Outliner {
   void read_attributes(UrdfElement& element, const XML_Char** attributes);
   [[noreturn]] void malformed();
   [[noreturn]] void fail(std::string rule, std::string found, std::string remedy) {
-    cursor_.advance(text_,
-                    static_cast<std::size_t>(std::max<XML_Index>(0, XML_GetCurrentByteIndex(parser_.get()))));
+    cursor_.advance(text_, std::max<XML_Index>(0, XML_GetCurrentByteIndex(parser_.get())));
     throw Error({file_, cursor_.line, cursor_.column}, "", std::move(rule), std::move(found),
                 std::move(remedy));
   }
@@ -134,7 +133,7 @@ void Outliner::start(const XML_Char* name, const XML_Char** attributes) {
   }
   const Vocabulary* parent = kept_.empty() || whole_from_ > 0 ? nullptr : vocabulary(kept_.back().name);
   const bool inside_kept = kept_.size() == open_.size();
-  cursor_.advance(text_, static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())));
+  cursor_.advance(text_, XML_GetCurrentByteIndex(parser_.get()));
   open_.emplace_back(tag, cursor_.line);
   if (!inside_kept) return;
   UrdfElement element{std::string(tag), cursor_.line, cursor_.column, {}, {}};

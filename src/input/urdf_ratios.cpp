@@ -123,9 +123,8 @@ void UrdfReader::warn_of_unused_ratios(const Reductions& stated) {
   for (const WrittenJoint& w : written) {
     const auto found = stated.find(w.joint.name);
     if (found == stated.end() || is_placeholder(w.joint.stated_ratio.value_or(1))) continue;
-    const auto coupling =
-        std::find_if(model.couplings.begin(), model.couplings.end(),
-                     [&](const StatedCoupling& c) { return contains(c.joints, w.joint.name); });
+    const auto coupling = std::ranges::find_if(
+        model.couplings, [&](const StatedCoupling& c) { return contains(c.joints, w.joint.name); });
     if (!w.joint.mimic && coupling == model.couplings.end()) continue;
     flaws_.concern_joint(w.joint.name);
     flaws_.warn(*found->second.front(), "joint " + qerr::quoted(w.joint.name),
@@ -169,7 +168,7 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
     // ROS takes the reduction of the actuator, ros2_control that of the joint.
     std::vector<const UrdfElement*> owners{&element, joints[0]};
     if (!actuators.empty()) owners.insert(owners.begin(), actuators[0]);
-    if (ros2) std::reverse(owners.begin(), owners.end());
+    if (ros2) std::ranges::reverse(owners);
     const std::string name = word_of(*joints[0], "name");
     const UrdfElement* ratio = only_reduction(owners, name);
     if (ratio) stated[name].push_back(ratio);
@@ -207,11 +206,10 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
 /// A transmission of a joint that the robot does not have: misspelt, or left over from another robot.
 void UrdfReader::warn_of_foreign_joint(const UrdfElement& transmission,
                                        const std::vector<const UrdfElement*>& joints) {
-  const bool has_ratio =
-      std::any_of(transmission.children.begin(), transmission.children.end(), [](const UrdfElement& child) {
-        const UrdfElement* ratio = ratio_in(child);
-        return ratio && !is_placeholder(number_of(*ratio).value_or(0));
-      });
+  const bool has_ratio = std::ranges::any_of(transmission.children, [](const UrdfElement& child) {
+    const UrdfElement* ratio = ratio_in(child);
+    return ratio && !is_placeholder(number_of(*ratio).value_or(0));
+  });
   if (!has_ratio || joints.empty() || joint_index_.contains(word_of(*joints[0], "name"))) return;
   flaws_.concern_document();
   flaws_.warn(
@@ -365,12 +363,11 @@ std::string contradiction(const StatedCoupling& stated, const Spec& spec,
     const auto i = static_cast<std::size_t>(at[k]);
     if (!encoder_kind(spec.encoder_figures[i].kind).counts_per_rev) return "";
     ratios[k] = spec.encoder_figures[i].gear_ratio;
-    used.col(static_cast<Eigen::Index>(k)) /= spec.model.transmission.encoders[i].shaft_ratio;
+    used.col(k) /= spec.model.transmission.encoders[i].shaft_ratio;
   }
   const auto same = [&](Eigen::Index column, std::size_t motor) {
     const double ratio = stated.ratios[motor];
-    return same_column(used.col(column), stated.coupling.col(static_cast<Eigen::Index>(motor)) / ratio,
-                       std::abs(ratio) == 1);
+    return same_column(used.col(column), stated.coupling.col(motor) / ratio, std::abs(ratio) == 1);
   };
   if ((same(0, 0) && same(1, 1)) || (same(0, 1) && same(1, 0))) return "";
   return quoted(stated.joints[0]) + " and " + quoted(stated.joints[1]) + " by the " + stated.type + ' ' +

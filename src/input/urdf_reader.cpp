@@ -172,8 +172,7 @@ const Vocabulary* vocabulary(std::string_view element) {
       {"mass", {}, {}, {}, {}, {"value"}},
       {"inertia", {}, {}, {}, {}, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
   };
-  const auto row =
-      std::find_if(rows.begin(), rows.end(), [&](const Vocabulary& v) { return v.element == element; });
+  const auto row = std::ranges::find_if(rows, [&](const Vocabulary& v) { return v.element == element; });
   return row == rows.end() ? nullptr : &*row;
 }
 

@@ -80,7 +80,7 @@ void UrdfReader::check_tree(const UrdfElement& root) {
       path.push_back(link);
       link = written[up->second].joint.parent;
     }
-    const auto repeat = std::find(path.begin(), path.end(), link);
+    const auto repeat = std::ranges::find(path, link);
     if (repeat == path.end()) continue;
     WrittenJoint& joint = written[parent_joint_.at(link)];
     Names loop(repeat, path.end());
@@ -92,8 +92,7 @@ void UrdfReader::check_tree(const UrdfElement& root) {
     parent_joint_.erase(link);
   }
   // Where a joint is excluded, further roots are its consequence.
-  if (std::all_of(written.begin(), written.end(), [](const WrittenJoint& w) { return w.in_tree; }))
-    check_roots(root);
+  if (std::ranges::all_of(written, &WrittenJoint::in_tree)) check_roots(root);
 }
 
 void UrdfReader::check_roots(const UrdfElement& root) {
@@ -172,8 +171,7 @@ constexpr double no_bound = 1e4;  // [rad or m]
 bool is_infinite(std::string_view text) {
   if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
   if (text.starts_with('.')) text.remove_prefix(1);
-  std::string word;
-  for (const char c : text) word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string word = lower_case(text);
   return word == "inf" || word == "infinity";
 }
 
@@ -208,8 +206,8 @@ void UrdfReader::read_joint(const UrdfElement& element) {
   read_origin(element, key, xyz, w.rpy);
   joint.origin.translation() = xyz;
   const UrdfAttribute* type = element.attribute("type");
-  const auto row = std::find_if(joint_types().begin(), joint_types().end(),
-                                [&](const auto& t) { return type && t.first == type->value; });
+  const auto row =
+      std::ranges::find_if(joint_types(), [&](const auto& t) { return type && t.first == type->value; });
   if (row != joint_types().end()) {
     joint.type = row->second;
     read_axis(element, joint);

@@ -15,14 +15,13 @@ bool is_plain(const std::string& text) {
   if (text.empty() || text.back() == ' ' || text.back() == ':') return false;
   if (first.find(text.front()) != std::string_view::npos && !parse_number(text)) return false;
   if (text.find(": ") != std::string::npos) return false;
-  return std::none_of(text.begin(), text.end(), [&](char c) {
+  return std::ranges::none_of(text, [&](char c) {
     return within.find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20;
   });
 }
 
 std::string in_double_quotes(const std::string& text) {
-  const bool control =
-      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  const bool control = std::ranges::any_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });
   std::string out;
   for (const char c : text) {
     const bool escape = control && static_cast<unsigned char>(c) < 0x20;
@@ -33,56 +32,13 @@ std::string in_double_quotes(const std::string& text) {
   return control ? '"' + out + '"' : '\'' + out + '\'';
 }
 
-}  // namespace
-
-std::string flow_scalar(const std::string& text, bool in_quotes) {
-  return !in_quotes && is_plain(text) ? text : in_double_quotes(text);
-}
-
-namespace {
-
 constexpr std::size_t longest_key = 1000;  // bytes, its quotation marks included
 
-}  // namespace
-
-std::string block_key(const std::string& written, const std::string& indent) {
-  return written.size() <= longest_key ? written + ": " : "? " + written + '\n' + indent + ": ";
-}
-
-std::string commented(const std::string& comment, const std::string& indent) {
-  std::string out;
-  for (std::size_t begin = 0; begin < comment.size();) {
-    const std::size_t end = std::min(comment.find('\n', begin), comment.size());
-    out += indent + "# " + comment.substr(begin, end - begin) + '\n';
-    begin = end + 1;
-  }
-  return out;
-}
-
+/// A key in such a line, with its colon.
 std::string flow_key(const std::string& name) {
   const std::string written = flow_scalar(name, false);
   return written.size() <= longest_key ? written + ": " : "? " + written + " : ";
 }
-
-std::string flow(const Node& n) {
-  std::string out;
-  switch (n.type) {
-    case Node::Type::null:
-      return "null";
-    case Node::Type::scalar:
-      return flow_scalar(n.text, n.quoted);
-    case Node::Type::sequence:
-      for (const Node& item : n.items) out += (out.empty() ? "" : ", ") + flow(item);
-      return '[' + out + ']';
-    case Node::Type::mapping:
-      for (const auto& [key, value] : n.entries)
-        out += (out.empty() ? "" : ", ") + flow_key(key.name) + flow(value);
-      return '{' + out + '}';
-  }
-  return out;
-}
-
-namespace {
 
 /// @param same  of two values, as far as it decides
 template <class Same>
@@ -93,7 +49,7 @@ bool same_nodes(const Node& a, const Node& b, const Same& same) {
     return false;
   for (std::size_t i = 0; i < a.items.size(); ++i)
     if (!same_nodes(a.items[i], b.items[i], same)) return false;
-  return std::all_of(a.entries.begin(), a.entries.end(), [&](const auto& entry) {
+  return std::ranges::all_of(a.entries, [&](const auto& entry) {
     const Node* other = b.find(entry.key.name);
     return other && same_nodes(entry.value, *other, same);
   });
@@ -104,21 +60,6 @@ bool same_value(const Node& a, const Node& b) {
     return x.quoted != y.quoted && parse_number(x.text) ? std::optional(false) : std::nullopt;
   });
 }
-
-}  // namespace
-
-bool same_meaning(const Node& a, const Node& b) {
-  return same_nodes(a, b, [](const Node& x, const Node& y) {
-    std::string why;
-    const auto quantity = [&](const Node& n) {
-      return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
-    };
-    const auto u = quantity(x), v = quantity(y);
-    return u && v ? std::optional(u->value == v->value) : std::nullopt;
-  });
-}
-
-namespace {
 
 using std::size_t;
 
@@ -145,7 +86,7 @@ class Rewriter {
 
   std::string result() {
     // From the end, so that earlier offsets stay valid; edits at one offset keep their order.
-    std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.at < b.at; });
+    std::ranges::stable_sort(edits_, [](const Edit& a, const Edit& b) { return a.at < b.at; });
     std::string out = text_;
     for (auto e = edits_.rbegin(); e != edits_.rend(); ++e) out.replace(e->at, e->length, e->text);
     return out;
@@ -288,9 +229,8 @@ class Rewriter {
 
   /// Unless another edit covers it.
   void erase(size_t from, size_t to) {
-    const bool covered = std::any_of(edits_.begin(), edits_.end(), [&](const Edit& e) {
-      return e.length > 0 && e.at < to && from < e.at + e.length;
-    });
+    const bool covered = std::ranges::any_of(
+        edits_, [&](const Edit& e) { return e.length > 0 && e.at < to && from < e.at + e.length; });
     if (!covered) edits_.push_back({from, to - from, ""});
   }
 
@@ -347,8 +287,8 @@ class Rewriter {
   }
 
   size_t edits_at(size_t at) const {
-    return static_cast<size_t>(std::count_if(edits_.begin(), edits_.end(),
-                                             [&](const Edit& e) { return e.at == at && e.length == 0; }));
+    return static_cast<size_t>(
+        std::ranges::count_if(edits_, [&](const Edit& e) { return e.at == at && e.length == 0; }));
   }
 
   void add_item(const Node& have, const Node& item, const std::string& path) {
@@ -383,6 +323,53 @@ class Rewriter {
 };
 
 }  // namespace
+
+std::string flow_scalar(const std::string& text, bool in_quotes) {
+  return !in_quotes && is_plain(text) ? text : in_double_quotes(text);
+}
+
+std::string block_key(const std::string& written, const std::string& indent) {
+  return written.size() <= longest_key ? written + ": " : "? " + written + '\n' + indent + ": ";
+}
+
+std::string commented(const std::string& comment, const std::string& indent) {
+  std::string out;
+  for (std::size_t begin = 0; begin < comment.size();) {
+    const std::size_t end = std::min(comment.find('\n', begin), comment.size());
+    out += indent + "# " + comment.substr(begin, end - begin) + '\n';
+    begin = end + 1;
+  }
+  return out;
+}
+
+std::string flow(const Node& n) {
+  std::string out;
+  switch (n.type) {
+    case Node::Type::null:
+      return "null";
+    case Node::Type::scalar:
+      return flow_scalar(n.text, n.quoted);
+    case Node::Type::sequence:
+      for (const Node& item : n.items) out += (out.empty() ? "" : ", ") + flow(item);
+      return '[' + out + ']';
+    case Node::Type::mapping:
+      for (const auto& [key, value] : n.entries)
+        out += (out.empty() ? "" : ", ") + flow_key(key.name) + flow(value);
+      return '{' + out + '}';
+  }
+  return out;
+}
+
+bool same_meaning(const Node& a, const Node& b) {
+  return same_nodes(a, b, [](const Node& x, const Node& y) {
+    std::string why;
+    const auto quantity = [&](const Node& n) {
+      return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
+    };
+    const auto u = quantity(x), v = quantity(y);
+    return u && v ? std::optional(u->value == v->value) : std::nullopt;
+  });
+}
 
 std::string rewritten(const std::string& text, const Node& wanted, const std::string& file,
                       const std::vector<std::string>& replaced) {

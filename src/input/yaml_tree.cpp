@@ -16,6 +16,35 @@ namespace {
 
 constexpr std::size_t most_levels = 64;  // of nesting; the format of a spec has 6
 
+using Lines = std::vector<std::string>;
+
+const std::string& line_at(const Lines& lines, int line) {
+  static const std::string none;
+  return line >= 1 && static_cast<std::size_t>(line) <= lines.size()
+             ? lines[static_cast<std::size_t>(line) - 1]
+             : none;
+}
+
+Place place_in(const Place& at, int line, std::size_t offset) {
+  return {at.file, line, static_cast<int>(offset) + 1};
+}
+
+std::optional<Fault> backslash(const Lines& lines, const Place& at) {
+  const std::string& line = line_at(lines, at.line);
+  const std::size_t slash = line.find('\\');
+  if (slash == std::string::npos) return std::nullopt;
+  return Fault{place_in(at, at.line, slash), "", "a backslash in double quotation marks begins an escape",
+               "'" + line.substr(slash, 2) + "'", "write paths with '/', or use single quotation marks"};
+}
+
+/// What is written at a place, for messages: up to 40 bytes of the line, in quotation marks.
+std::string text_at(const Lines& lines, const Place& at) {
+  const std::string& line = line_at(lines, at.line);
+  const auto column = static_cast<std::size_t>(std::max(at.column, 1)) - 1;
+  if (column >= line.size()) return "the end of the line";
+  return "'" + line.substr(column, 40) + "'";
+}
+
 /// Builds the tree from yaml-cpp's events, so that the depth is bounded during reading, not after it.
 class TreeBuilder : public YAML::EventHandler {
  public:
@@ -174,6 +203,14 @@ class TreeBuilder : public YAML::EventHandler {
   bool any_ = false;
 };
 
+/// The line without its comment and trailing blanks.
+std::string_view content(std::string_view line) {
+  for (std::size_t i = line.find('#'); i != std::string_view::npos; i = line.find('#', i + 1))
+    if (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t') line = line.substr(0, i);
+  const std::size_t last = line.find_last_not_of(" \t\r");
+  return last == std::string_view::npos ? std::string_view() : line.substr(0, last + 1);
+}
+
 /// The line that ends the first document: the first `---` or `...` after some content.
 Place second_document(const std::vector<std::string>& lines, const std::string& file) {
   bool content = false;
@@ -209,84 +246,6 @@ bool only_comments(const std::string& text) {
     if (first != std::string::npos && line[first] != '#' && line.compare(first, 3, "---") != 0) return false;
   }
   return true;
-}
-
-}  // namespace
-
-const Node* Node::find(std::string_view wanted) const {
-  for (const auto& [key, value] : entries)
-    if (key.name == wanted) return &value;
-  return nullptr;
-}
-
-Node* Node::find(std::string_view wanted) {
-  return const_cast<Node*>(static_cast<const Node*>(this)->find(wanted));
-}
-
-Node scalar_node(const std::string& text) { return {Node::Type::scalar, {}, text, false, {}, {}}; }
-
-Node mapping_node(std::vector<std::pair<std::string, Node>> entries) {
-  Node node{Node::Type::mapping, {}, {}, false, {}, {}};
-  for (auto& [key, value] : entries) node.entries.push_back({{key, {}}, std::move(value)});
-  return node;
-}
-
-std::string described(const Node& node) {
-  switch (node.type) {
-    case Node::Type::null:
-      return "nothing";
-    case Node::Type::scalar:
-      return "'" + node.text + "'";
-    case Node::Type::sequence:
-      return "a list of " + std::to_string(node.items.size());
-    case Node::Type::mapping:
-      return "a mapping";
-  }
-  return {};
-}
-
-Node parse_yaml(const std::string& text, const std::string& file) {
-  TreeBuilder builder(text, file);
-  refuse_odd_lines(builder.lines(), file);
-  try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    const bool has_document = parser.HandleNextDocument(builder);
-    if (!has_document || builder.empty())
-      throw Error({file, 1, 1}, "", only_comments(text) ? "the file is empty" : "the file is not a mapping",
-                  "", "a spec begins with 'qerr: 1'");
-    // At most one more call: on some malformed input yaml-cpp 0.7 reports documents without end.
-    TreeBuilder second(text, file);
-    if (parser.HandleNextDocument(second))
-      throw Error(second_document(builder.lines(), file), "", "a second YAML document follows",
-                  "'---' or text after the end", "keep one document in a file");
-  } catch (const YAML::Exception& e) {
-    throw Error(syntax_fault(builder.lines(), builder.place(e.mark), e.msg));
-  }
-  return builder.take();
-}
-
-namespace {
-
-using Lines = std::vector<std::string>;
-
-const std::string& line_at(const Lines& lines, int line) {
-  static const std::string none;
-  return line >= 1 && static_cast<std::size_t>(line) <= lines.size()
-             ? lines[static_cast<std::size_t>(line) - 1]
-             : none;
-}
-
-Place place_in(const Place& at, int line, std::size_t offset) {
-  return {at.file, line, static_cast<int>(offset) + 1};
-}
-
-/// The line without its comment and trailing blanks.
-std::string_view content(std::string_view line) {
-  for (std::size_t i = line.find('#'); i != std::string_view::npos; i = line.find('#', i + 1))
-    if (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t') line = line.substr(0, i);
-  const std::size_t last = line.find_last_not_of(" \t\r");
-  return last == std::string_view::npos ? std::string_view() : line.substr(0, last + 1);
 }
 
 std::size_t indentation(std::string_view line) { return std::min(line.find_first_not_of(' '), line.size()); }
@@ -391,14 +350,6 @@ std::optional<Fault> two_values(const Lines& lines, const Place& at) {
                    std::string(line.substr(first + 2, 40)) + "}', or begin a new line"};
 }
 
-std::optional<Fault> backslash(const Lines& lines, const Place& at) {
-  const std::string& line = line_at(lines, at.line);
-  const std::size_t slash = line.find('\\');
-  if (slash == std::string::npos) return std::nullopt;
-  return Fault{place_in(at, at.line, slash), "", "a backslash in double quotation marks begins an escape",
-               "'" + line.substr(slash, 2) + "'", "write paths with '/', or use single quotation marks"};
-}
-
 /// A word of the parser's message, what it means, and the remedy.
 struct Meaning {
   std::string_view word, rule, remedy;
@@ -422,15 +373,11 @@ constexpr std::array meanings{
             "remove it; a comment begins with #"},
 };
 
-}  // namespace
-
-std::string text_at(const Lines& lines, const Place& at) {
-  const std::string& line = line_at(lines, at.line);
-  const auto column = static_cast<std::size_t>(std::max(at.column, 1)) - 1;
-  if (column >= line.size()) return "the end of the line";
-  return "'" + line.substr(column, 40) + "'";
-}
-
+/// A YAML parser's complaint in the words of the user: the habit behind the text at its place (a tab, an
+/// unquoted `*`, a missing space after a colon, a bracket that is not closed), and what to write instead.
+/// @param lines    of the document
+/// @param at       place of the complaint; line 0: unknown
+/// @param message  of the parser, by which the complaint is told from others; it is not shown
 Fault syntax_fault(const std::vector<std::string>& lines, const Place& at, const std::string& message) {
   const auto says = [&](std::string_view word) { return message.find(word) != std::string::npos; };
   if (auto fault = indented_by_tab(lines, at)) return *fault;
@@ -445,6 +392,61 @@ Fault syntax_fault(const std::vector<std::string>& lines, const Place& at, const
   if (auto fault = odd_indentation(lines, at)) return *fault;
   return {at, "", "the line does not fit the lines above it", text_at(lines, at),
           "write 'key: value', and give the keys of one mapping the same indentation"};
+}
+
+}  // namespace
+
+const Node* Node::find(std::string_view wanted) const {
+  for (const auto& [key, value] : entries)
+    if (key.name == wanted) return &value;
+  return nullptr;
+}
+
+Node* Node::find(std::string_view wanted) {
+  return const_cast<Node*>(static_cast<const Node*>(this)->find(wanted));
+}
+
+Node scalar_node(const std::string& text) { return {Node::Type::scalar, {}, text, false, {}, {}}; }
+
+Node mapping_node(std::vector<std::pair<std::string, Node>> entries) {
+  Node node{Node::Type::mapping, {}, {}, false, {}, {}};
+  for (auto& [key, value] : entries) node.entries.push_back({{key, {}}, std::move(value)});
+  return node;
+}
+
+std::string described(const Node& node) {
+  switch (node.type) {
+    case Node::Type::null:
+      return "nothing";
+    case Node::Type::scalar:
+      return "'" + node.text + "'";
+    case Node::Type::sequence:
+      return "a list of " + std::to_string(node.items.size());
+    case Node::Type::mapping:
+      return "a mapping";
+  }
+  return {};
+}
+
+Node parse_yaml(const std::string& text, const std::string& file) {
+  TreeBuilder builder(text, file);
+  refuse_odd_lines(builder.lines(), file);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    const bool has_document = parser.HandleNextDocument(builder);
+    if (!has_document || builder.empty())
+      throw Error({file, 1, 1}, "", only_comments(text) ? "the file is empty" : "the file is not a mapping",
+                  "", "a spec begins with 'qerr: 1'");
+    // At most one more call: on some malformed input yaml-cpp 0.7 reports documents without end.
+    TreeBuilder second(text, file);
+    if (parser.HandleNextDocument(second))
+      throw Error(second_document(builder.lines(), file), "", "a second YAML document follows",
+                  "'---' or text after the end", "keep one document in a file");
+  } catch (const YAML::Exception& e) {
+    throw Error(syntax_fault(builder.lines(), builder.place(e.mark), e.msg));
+  }
+  return builder.take();
 }
 
 }  // namespace qerr

@@ -49,24 +49,11 @@ std::string described(const Node&);
 /// @throws Error (input) with file, line and column
 Node parse_yaml(const std::string& text, const std::string& file);
 
-/// A YAML parser's complaint in the words of the user: the habit behind the text at its place (a tab, an
-/// unquoted `*`, a missing space after a colon, a bracket that is not closed), and what to write instead.
-/// @param lines    of the document
-/// @param at       place of the complaint; line 0: unknown
-/// @param message  of the parser, by which the complaint is told from others; it is not shown
-Fault syntax_fault(const std::vector<std::string>& lines, const Place& at, const std::string& message);
-
-/// What is written at a place, for messages: up to 40 bytes of the line, in quotation marks.
-std::string text_at(const std::vector<std::string>& lines, const Place&);
-
 /// A value in one line of YAML, mappings in braces and lists in brackets.
 std::string flow(const Node&);
 
 /// A scalar in such a line: plain if possible, in quotation marks if necessary or if it was quoted.
 std::string flow_scalar(const std::string& text, bool quoted);
-
-/// A key in such a line, with its colon.
-std::string flow_key(const std::string& name);
 
 /// A key that is written so, with what divides it from its value: `KEY: `. YAML takes more than 1024
 /// characters for a key only behind a question mark, in lines with the value on the next one.

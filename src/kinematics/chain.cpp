@@ -47,8 +47,8 @@ class Builder {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
-    auto found = std::find_if(chain_.independent.begin(), chain_.independent.end(),
-                              [&](const IndependentJoint& j) { return j.name == master.name; });
+    auto found = std::ranges::find_if(chain_.independent,
+                                      [&](const IndependentJoint& j) { return j.name == master.name; });
     if (found == chain_.independent.end()) {
       chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index,
                                     master.velocity_limit, master.effort_limit});
@@ -142,7 +142,7 @@ void sort_along_chain(Chain& chain) {
   }
   std::vector<std::size_t> order(place.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
   std::vector<std::size_t> new_index(order.size());
   std::vector<IndependentJoint> sorted;
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -186,8 +186,8 @@ void share_joints(std::vector<NamedTip>& tips) {
   for (NamedTip& tip : tips) {
     std::vector<std::size_t> place;  // of the chain's joints, in `all`
     for (const IndependentJoint& joint : tip.chain.independent) {
-      const auto found = std::find_if(
-          all.begin(), all.end(), [&](const IndependentJoint& other) { return other.name == joint.name; });
+      const auto found =
+          std::ranges::find_if(all, [&](const IndependentJoint& other) { return other.name == joint.name; });
       place.push_back(static_cast<std::size_t>(found - all.begin()));
       if (found == all.end())
         all.push_back(joint);
@@ -202,8 +202,8 @@ void share_joints(std::vector<NamedTip>& tips) {
 /// Whether a joint moves one link against the other.
 bool moves(const RobotModel& robot, const std::string& base, const std::string& tip) {
   const TreePath path = find_path(robot, base, tip);
-  return std::any_of(path.joints.begin(), path.joints.end(),
-                     [&](std::size_t i) { return robot.joints[i].type != JointType::fixed; });
+  return std::ranges::any_of(path.joints,
+                             [&](std::size_t i) { return robot.joints[i].type != JointType::fixed; });
 }
 
 }  // namespace
@@ -247,7 +247,7 @@ std::vector<std::string> warnings_about(const RobotModel& robot, const std::vect
   std::size_t unused = 0;
   for (const Flaw& flaw : robot.flaws) {
     const bool concerns =
-        std::any_of(used.begin(), used.end(), [&](const UsedParts& u) { return u.concerned_by(flaw); }) ||
+        std::ranges::any_of(used, [&](const UsedParts& u) { return u.concerned_by(flaw); }) ||
         (!flaw.spoils && flaw.joints.empty() && flaw.link.empty());
     if (!concerns && ++unused > most_unused_flaws) continue;
     const auto [first, fresh] = place_of_rule.emplace(flaw.fault.rule, warnings.size());
@@ -265,7 +265,7 @@ std::vector<std::string> warnings_about(const RobotModel& robot, const std::vect
                        "; qerr robot lists them");
   const auto has_mass = [](const ChainJoint& joint) { return joint.load.mass > 0; };
   for (std::size_t i = 0; i < chains.size(); ++i)
-    if (paths[i].upward > 0 && std::any_of(chains[i]->joints.begin(), chains[i]->joints.end(), has_mass)) {
+    if (paths[i].upward > 0 && std::ranges::any_of(chains[i]->joints, has_mass)) {
       warnings.push_back(
           "robot.base: '" + chains[i]->base +
           "' is not above the tip: gravity and inertias are those of a robot that is held there");
@@ -276,18 +276,16 @@ std::vector<std::string> warnings_about(const RobotModel& robot, const std::vect
 
 std::size_t independent_index(const Chain& chain, std::string_view name) {
   const auto& joints = chain.independent;
-  const auto found =
-      std::find_if(joints.begin(), joints.end(), [&](const IndependentJoint& j) { return j.name == name; });
+  const auto found = std::ranges::find_if(joints, [&](const IndependentJoint& j) { return j.name == name; });
   if (found == joints.end()) throw std::out_of_range("no independent joint '" + std::string(name) + "'");
-  return static_cast<std::size_t>(found - joints.begin());
+  return found - joints.begin();
 }
 
 std::optional<std::size_t> find_joint(const Chain& chain, std::string_view name) {
   const auto& joints = chain.joints;
-  const auto found =
-      std::find_if(joints.begin(), joints.end(), [&](const ChainJoint& j) { return j.name == name; });
+  const auto found = std::ranges::find_if(joints, [&](const ChainJoint& j) { return j.name == name; });
   if (found == joints.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - joints.begin());
+  return found - joints.begin();
 }
 
 OriginPlace origin_place(const Chain& chain, std::size_t joint) {
@@ -298,7 +296,7 @@ OriginPlace origin_place(const Chain& chain, std::size_t joint) {
 Eigen::Isometry3d forward_kinematics(const Chain& chain, const Eigen::VectorXd& q) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (const ChainJoint& joint : chain.joints) {
-    const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    const double motion = joint.multiplier * q[joint.coordinate] + joint.offset;
     pose = pose * joint.origin;
     if (joint.prismatic)
       pose.translate(motion * joint.axis);

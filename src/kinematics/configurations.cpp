@@ -28,7 +28,7 @@ Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::
   const std::size_t dimensions = c.ranges.size();
   boost::random::sobol engine(dimensions);
   if (first > 1) engine.discard((first - 1) * dimensions);
-  Eigen::MatrixXd unit(static_cast<Eigen::Index>(dimensions), static_cast<Eigen::Index>(count));
+  Eigen::MatrixXd unit(dimensions, count);
   for (Eigen::Index i = 0; i < unit.cols(); ++i)
     for (Eigen::Index j = 0; j < unit.rows(); ++j) {
       const bool origin = first == 0 && i == 0;
@@ -39,7 +39,7 @@ Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::
 }
 
 Eigen::MatrixXd random_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
-  Eigen::MatrixXd unit(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
+  Eigen::MatrixXd unit(std::ssize(c.ranges), count);
   for (Eigen::Index i = 0; i < unit.cols(); ++i)
     for (Eigen::Index j = 0; j < unit.rows(); ++j)
       unit(j, i) = unit_interval(
@@ -48,7 +48,7 @@ Eigen::MatrixXd random_points(const Configurations& c, std::uint64_t first, std:
 }
 
 Eigen::MatrixXd grid_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
-  Eigen::MatrixXd unit(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
+  Eigen::MatrixXd unit(std::ssize(c.ranges), count);
   for (Eigen::Index i = 0; i < unit.cols(); ++i) {
     std::uint64_t index = first + static_cast<std::uint64_t>(i);
     for (Eigen::Index j = unit.rows(); j-- > 0; index /= c.count)
@@ -79,8 +79,8 @@ Eigen::MatrixXd draw(const Configurations& c, std::uint64_t first, std::uint64_t
   Eigen::MatrixXd q;
   switch (c.method) {
     case SamplingMethod::list: {
-      q.resize(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
-      for (std::uint64_t i = 0; i < count; ++i) q.col(static_cast<Eigen::Index>(i)) = c.points[first + i];
+      q.resize(std::ssize(c.ranges), count);
+      for (std::uint64_t i = 0; i < count; ++i) q.col(i) = c.points[first + i];
       return q;
     }
     case SamplingMethod::sobol:
@@ -94,8 +94,7 @@ Eigen::MatrixXd draw(const Configurations& c, std::uint64_t first, std::uint64_t
       break;
   }
   for (Eigen::Index i = 0; i < q.cols(); ++i)
-    for (Eigen::Index j = 0; j < q.rows(); ++j)
-      q(j, i) = between(c.ranges[static_cast<std::size_t>(j)], q(j, i));
+    for (Eigen::Index j = 0; j < q.rows(); ++j) q(j, i) = between(c.ranges[j], q(j, i));
   return q;
 }
 
@@ -109,8 +108,7 @@ double reach(const Chain& chain, const Configurations& configurations) {
       farthest = std::max(farthest, std::abs(joint.multiplier * q + joint.offset));
     };
     if (configurations.method == SamplingMethod::list)
-      for (const Eigen::VectorXd& q : configurations.points)
-        include(q[static_cast<Eigen::Index>(joint.coordinate)]);
+      for (const Eigen::VectorXd& q : configurations.points) include(q[joint.coordinate]);
     else
       for (const double q :
            {configurations.ranges[joint.coordinate].lower, configurations.ranges[joint.coordinate].upper})

@@ -57,9 +57,9 @@ Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>& coordinates, cons
     resolved.topRows<3>() = rotation.transpose() * j.topRows<3>();
     resolved.bottomRows<3>() = rotation.transpose() * j.bottomRows<3>();
   }
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(coordinates.size()), j.cols());
+  Eigen::MatrixXd rows(std::ssize(coordinates), j.cols());
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const Coordinate c = coordinates[static_cast<std::size_t>(i)];
+    const Coordinate c = coordinates[i];
     if (!is_euler_angle(c)) {
       rows.row(i) = resolved.row(static_cast<Eigen::Index>(c));
       continue;

@@ -53,7 +53,7 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
                      joint.load.mass * (a + alpha.cross(arm) + w.cross(w.cross(arm))),
                      inertia * alpha + w.cross(inertia * w)});
   }
-  Eigen::VectorXd effort = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.independent.size()));
+  Eigen::VectorXd effort = Eigen::VectorXd::Zero(std::ssize(chain.independent));
   Vector3d force = Vector3d::Zero(),
            moment = Vector3d::Zero();  // of all links from k on, moment about the origin of the base
   for (std::size_t k = links.size(); k-- > 0;) {
@@ -62,7 +62,7 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
     moment += link.moment + link.center.cross(link.force);
     const ChainJoint& joint = chain.joints[k];
     const double own = link.axis.dot(joint.prismatic ? force : Vector3d(moment - link.origin.cross(force)));
-    effort[static_cast<Eigen::Index>(joint.coordinate)] += joint.multiplier * own;
+    effort[joint.coordinate] += joint.multiplier * own;
   }
   return effort;
 }
@@ -73,7 +73,7 @@ double inertia_at(const Chain& chain, std::size_t independent, const Eigen::Vect
   Vector3d w = Vector3d::Zero(), v = Vector3d::Zero(), origin = Vector3d::Zero();
   double twice_energy = 0;
   for (const ChainJoint& joint : chain.joints) {
-    const double s = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    const double s = joint.multiplier * q[joint.coordinate] + joint.offset;
     const Vector3d axis = move_behind(pose, joint, s);
     v += w.cross(pose.translation() - origin);
     origin = pose.translation();
@@ -86,8 +86,7 @@ double inertia_at(const Chain& chain, std::size_t independent, const Eigen::Vect
 }
 
 bool has_masses(const Chain& chain) {
-  return std::any_of(chain.joints.begin(), chain.joints.end(),
-                     [](const ChainJoint& joint) { return joint.load.mass > 0; });
+  return std::ranges::any_of(chain.joints, [](const ChainJoint& joint) { return joint.load.mass > 0; });
 }
 
 }  // namespace qerr

@@ -7,13 +7,13 @@
 namespace qerr {
 
 Jacobian joint_jacobian(const Chain& chain, const Eigen::VectorXd& q, Eigen::Isometry3d* tip_pose) {
-  const auto count = static_cast<Eigen::Index>(chain.joints.size());
+  const auto count = std::ssize(chain.joints);
   Jacobian result(6, count);
   Eigen::Matrix3Xd origins(3, count);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (Eigen::Index k = 0; k < count; ++k) {
-    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(k)];
-    const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    const ChainJoint& joint = chain.joints[k];
+    const double motion = joint.multiplier * q[joint.coordinate] + joint.offset;
     pose = pose * joint.origin;
     origins.col(k) = pose.translation();
     result.col(k).tail<3>() = pose.linear() * joint.axis;
@@ -25,7 +25,7 @@ Jacobian joint_jacobian(const Chain& chain, const Eigen::VectorXd& q, Eigen::Iso
   pose = pose * chain.tip_offset;
   for (Eigen::Index k = 0; k < count; ++k) {
     const Eigen::Vector3d axis = result.col(k).tail<3>();
-    if (chain.joints[static_cast<std::size_t>(k)].prismatic) {
+    if (chain.joints[k].prismatic) {
       result.col(k) << axis, Eigen::Vector3d::Zero();
     } else {
       const Eigen::Vector3d arm = pose.translation() - origins.col(k);
@@ -37,11 +37,10 @@ Jacobian joint_jacobian(const Chain& chain, const Eigen::VectorXd& q, Eigen::Iso
 }
 
 Eigen::MatrixXd to_independent(const Chain& chain, const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd folded =
-      Eigen::MatrixXd::Zero(columns.rows(), static_cast<Eigen::Index>(chain.independent.size()));
+  Eigen::MatrixXd folded = Eigen::MatrixXd::Zero(columns.rows(), std::ssize(chain.independent));
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(k)];
-    folded.col(static_cast<Eigen::Index>(joint.coordinate)) += joint.multiplier * columns.col(k);
+    const ChainJoint& joint = chain.joints[k];
+    folded.col(joint.coordinate) += joint.multiplier * columns.col(k);
   }
   return folded;
 }

@@ -88,7 +88,7 @@ void Sampler::operator()(std::uint64_t first, double* to) {
       for (std::size_t i = 0; i < batch_size; ++i) {
         const std::size_t point = std::min<std::size_t>(first + i, configurations_->points.size() - 1);
         for (std::size_t j = 0; j < lower_.size(); ++j)
-          to[j * batch_size + i] = configurations_->points[point][static_cast<Eigen::Index>(j)];
+          to[j * batch_size + i] = configurations_->points[point][j];
       }
   }
 }

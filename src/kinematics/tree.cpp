@@ -5,6 +5,7 @@
 #include <cctype>
 #include <tuple>
 
+#include "core/lists.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/robot_model.hpp"
@@ -61,7 +62,7 @@ std::string default_tip(const RobotModel& robot, const std::string& base) {
 }
 
 void require_link(const RobotModel& robot, const std::string& key, const std::string& link) {
-  if (std::find(robot.links.begin(), robot.links.end(), link) != robot.links.end()) return;
+  if (contains(robot.links, link)) return;
   throw Error(robot_fault(robot, key, "no link of the URDF has this name", "'" + link + "'",
                           did_you_mean(link, robot.links)));
 }
@@ -87,7 +88,7 @@ std::vector<std::size_t> Tree::path_to(const std::string& link) const {
   std::vector<std::size_t> path;
   for (auto up = above_.find(link); up != above_.end(); up = above_.find(robot_.joints[up->second].parent))
     path.push_back(up->second);
-  std::reverse(path.begin(), path.end());
+  std::ranges::reverse(path);
   return path;
 }
 
@@ -122,8 +123,7 @@ UsedParts::UsedParts(const RobotModel& robot, const TreePath& path) : links_{pat
 
 bool UsedParts::concerned_by(const Flaw& flaw) const {
   return (!flaw.link.empty() && links_.contains(flaw.link)) ||
-         std::any_of(flaw.joints.begin(), flaw.joints.end(),
-                     [&](const std::string& joint) { return joints_.contains(joint); });
+         std::ranges::any_of(flaw.joints, [&](const std::string& joint) { return joints_.contains(joint); });
 }
 
 TreePath find_path(const RobotModel& robot, const std::string& base, const std::string& tip) {
@@ -180,9 +180,7 @@ template <std::size_t N>
 std::size_t rank_in(const std::array<const char*, N>& list, const std::vector<std::string>& words) {
   std::size_t best = N;
   for (std::string word : words) {
-    const auto rank = [&] {
-      return static_cast<std::size_t>(std::find(list.begin(), list.end(), word) - list.begin());
-    };
+    const auto rank = [&] { return static_cast<std::size_t>(std::ranges::find(list, word) - list.begin()); };
     best = std::min(best, rank());
     word.erase(word.find_last_not_of("0123456789") + 1);
     best = std::min(best, rank());
@@ -232,8 +230,7 @@ void sort_ends(std::vector<TreeEnd>& ends) {
   };
   std::vector<std::pair<decltype(order(ends.front())), TreeEnd>> keyed;
   for (const TreeEnd& end : ends) keyed.emplace_back(order(end), end);
-  std::stable_sort(keyed.begin(), keyed.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(keyed, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (std::size_t i = 0; i < ends.size(); ++i) ends[i] = std::move(keyed[i].second);
 }
 
@@ -259,8 +256,8 @@ std::vector<TreeEnd> tree_ends(const RobotModel& robot, const std::string& base)
   for (const std::string& link : robot.links) {
     if (!tree.below(link).empty()) continue;
     std::vector<std::size_t> path = tree.path_to(link);
-    const auto from = std::find_if(path.begin(), path.end(),
-                                   [&](std::size_t joint) { return robot.joints[joint].parent == base; });
+    const auto from =
+        std::ranges::find_if(path, [&](std::size_t joint) { return robot.joints[joint].parent == base; });
     if (!base.empty() && from == path.end() && link != base) continue;
     if (!base.empty()) path.erase(path.begin(), from);
     const std::string root = path.empty() ? link : robot.joints[path.front()].parent;

@@ -168,7 +168,7 @@ std::vector<std::array<std::string, 3>> options(const std::string& command) {
     for (const qerr::cli::Option& option : row->options) {
       if (option.positional()) continue;
       std::string name = option.key();
-      std::replace(name.begin(), name.end(), '-', '_');
+      std::ranges::replace(name, '-', '_');
       all.push_back({name, kind_name(option.kind), std::string(option.meaning)});
     }
   return all;

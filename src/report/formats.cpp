@@ -93,7 +93,7 @@ std::string changes_above(const Spec& spec, std::size_t width) {
   std::string all;
   for (const auto& [key, value] : spec.overrides) {
     std::string text = key + '=' + value;
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::ranges::replace(text, '\n', ' ');
     all += (all.empty() ? "with --set " : ", --set ") + escaped(text, 100);
   }
   return all.empty() ? "" : wrapped(all, width);

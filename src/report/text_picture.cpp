@@ -100,18 +100,17 @@ void draw_line(Canvas& canvas, const std::vector<double>& values, const Ordinate
   for (std::size_t c = 0; c < values.size(); ++c) {
     if (!std::isfinite(values[c])) continue;
     const int row = o.row(values[c]) - o.lowest;
-    canvas[static_cast<std::size_t>(row)][c] = glyphs.line;
+    canvas[row][c] = glyphs.line;
     if (c == 0 || !std::isfinite(values[c - 1])) continue;
     const int before = o.row(values[c - 1]) - o.lowest;
-    for (int k = std::min(row, before) + 1; k < std::max(row, before); ++k)
-      canvas[static_cast<std::size_t>(k)][c] = glyphs.rise;
+    for (int k = std::min(row, before) + 1; k < std::max(row, before); ++k) canvas[k][c] = glyphs.rise;
   }
 }
 
 void draw_points(Canvas& canvas, const std::vector<double>& values, const Ordinate& o, const Glyphs& glyphs) {
   for (std::size_t c = 0; c < values.size(); ++c) {
     if (!std::isfinite(values[c])) continue;
-    std::string& cell = canvas[static_cast<std::size_t>(o.row(values[c]) - o.lowest)][c];
+    std::string& cell = canvas[o.row(values[c]) - o.lowest][c];
     cell = cell == " " ? glyphs.point : glyphs.both;
   }
 }
@@ -172,8 +171,7 @@ double round_step(double least, double tolerance) {
 }
 
 std::string text_picture(const TextPicture& p, const Style& style, const std::string& indent) {
-  const auto finite =
-      std::count_if(p.points.begin(), p.points.end(), [](double v) { return std::isfinite(v); });
+  const auto finite = std::ranges::count_if(p.points, [](double v) { return std::isfinite(v); });
   const ValueRange range = range_of(p);
   if (finite < 2 || !(p.at.back() > p.at.front()) || !(range.most > range.least)) return "";
   const Glyphs& glyphs = style.ascii ? ascii_glyphs : unicode_glyphs;

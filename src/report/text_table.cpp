@@ -47,7 +47,7 @@ std::vector<std::size_t> fitting_widths(const TableRows& rows, std::size_t room)
   std::vector<std::size_t> widths = column_widths(rows);
   const std::size_t gaps = widths.empty() ? 0 : column_gap * (widths.size() - 1);
   while (std::accumulate(widths.begin(), widths.end(), gaps) > room) {
-    const auto widest = std::max_element(widths.begin(), widths.end());
+    const auto widest = std::ranges::max_element(widths);
     if (*widest <= least_column) break;
     --*widest;
   }
@@ -154,7 +154,7 @@ std::string bar(double fraction, int width) {
   const int cells = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * width * 8));
   std::string text;
   for (int i = 0; i < cells / 8; ++i) text += "█";
-  return text + eighths[static_cast<std::size_t>(cells % 8)];
+  return text + eighths[cells % 8];
 }
 
 std::string painted(const std::string& text, Paint paint, const Style& style) {
@@ -196,7 +196,7 @@ std::string listed(const std::vector<std::string>& items) {
 }
 
 void add_to_group(ItemGroups& groups, const std::string& name, const std::string& item) {
-  auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == name; });
+  auto group = std::ranges::find_if(groups, [&](const auto& g) { return g.first == name; });
   if (group == groups.end()) group = groups.insert(group, {name, {}});
   add_once(group->second, item);
 }
@@ -234,9 +234,9 @@ std::size_t total(const std::vector<TableColumn>& columns) {
 /// Makes the columns with the longest headers narrower until the table fits, as far as words allow.
 void stack_headers(std::vector<TableColumn>& columns, std::size_t room) {
   while (total(columns) > room) {
-    const auto most = std::max_element(
-        columns.begin(), columns.end(),
-        [](const TableColumn& a, const TableColumn& b) { return a.width - a.least < b.width - b.least; });
+    const auto most = std::ranges::max_element(columns, [](const TableColumn& a, const TableColumn& b) {
+      return a.width - a.least < b.width - b.least;
+    });
     if (most->width == most->least) return;
     --most->width;
   }

@@ -50,8 +50,8 @@ class MomentSums {
 /// joints', behind a filter; null: of the errors themselves, and of the joints'.
 SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Effect>& effects,
                              const UnroundedRecord& record, const Filter* filter, SignalMoments* of_joints) {
-  const auto m = static_cast<Eigen::Index>(model.coordinates.size());
-  const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  const auto m = std::ssize(model.coordinates);
+  const auto n = std::ssize(model.transmission.encoders);
   constexpr std::size_t lanes = 8;
   const std::size_t signals = model.coordinates.size() + model.signals.size();
   const std::size_t width = (signals + lanes - 1) / lanes * lanes;
@@ -84,7 +84,7 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
     const double* const out = run ? filtered.data() : rows.data();
     for (std::size_t k = 0; k < used.size(); ++k) {
       if (!record.is_after_settling(batch.first + used[k])) continue;
-      tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, static_cast<Eigen::Index>(signals)));
+      tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, signals));
       if (!of_joints) continue;
       joints_at(batch, used[k]);
       joints.add(joint);
@@ -173,7 +173,7 @@ std::vector<double> instants(const Motion& motion, double most) {
 using Rows = std::vector<std::vector<double>>;
 
 void append(Rows& rows, const Eigen::VectorXd& values) {
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(values[static_cast<Eigen::Index>(i)]);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(values[i]);
 }
 
 void widen(Spread& s, double by) {
@@ -253,8 +253,8 @@ void include_zeros(const Transmission& transmission, RobotUsage& usage) {
   const Eigen::VectorXd encoders = 0.5 * resolutions(transmission),
                         joints = transmission.coupling.magnitudes() * encoders;
   for (std::size_t i = 0; i < usage.joints.size(); ++i) {
-    widen(*usage.joints[i].position, joints[static_cast<Eigen::Index>(i)]);
-    widen(*usage.encoders[i].position, encoders[static_cast<Eigen::Index>(i)]);
+    widen(*usage.joints[i].position, joints[i]);
+    widen(*usage.encoders[i].position, encoders[i]);
   }
 }
 

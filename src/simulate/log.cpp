@@ -10,9 +10,7 @@ namespace {
 /// Whether the log has the counts of every encoder that the joint depends on.
 bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
   for (std::size_t i = 0; i < t.encoders.size(); ++i)
-    if (t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i)) != 0 &&
-        !log.find(LogSignal::counts, i))
-      return false;
+    if (t.coupling(joint, i) != 0 && !log.find(LogSignal::counts, i)) return false;
   return true;
 }
 
@@ -21,10 +19,9 @@ bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
 double LogColumn::step() const { return scale.in_si(std::pow(10.0, -text.most_decimals)); }
 
 std::uint64_t Log::row_number(Eigen::Index row) const {
-  if (!file_rows.empty()) return file_rows[static_cast<std::size_t>(row)];
+  if (!file_rows.empty()) return file_rows[row];
   if (stretches.empty()) return static_cast<std::uint64_t>(row);
-  return stretches[static_cast<std::size_t>(row / stretch_rows)] +
-         static_cast<std::uint64_t>(row % stretch_rows);
+  return stretches[row / stretch_rows] + static_cast<std::uint64_t>(row % stretch_rows);
 }
 
 std::vector<Eigen::Index> Log::rows_at_samples(std::size_t column) const {
@@ -42,7 +39,7 @@ std::vector<Eigen::Index> Log::rows_at_samples(std::size_t column) const {
 
 std::optional<Eigen::Index> Log::find(LogSignal signal, std::size_t index) const {
   for (std::size_t i = 0; i < columns.size(); ++i)
-    if (columns[i].signal == signal && columns[i].index == index) return static_cast<Eigen::Index>(i);
+    if (columns[i].signal == signal && columns[i].index == index) return i;
   return std::nullopt;
 }
 
@@ -55,7 +52,7 @@ std::optional<Eigen::ArrayXd> measured_joint(const Log& log, const Eigen::ArrayX
   if (has_counts(log, t, joint)) {
     Eigen::ArrayXd position = Eigen::ArrayXd::Zero(rows.rows());
     for (std::size_t i = 0; i < t.encoders.size(); ++i) {
-      const double factor = t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i));
+      const double factor = t.coupling(joint, i);
       if (factor != 0)
         position += factor * (t.encoders[i].resolution * rows.col(*log.find(LogSignal::counts, i)));
     }

@@ -55,7 +55,7 @@ Eigen::RowVectorXd spline_slopes(const std::vector<double>& t, const Eigen::RowV
   const Eigen::Index n = x.size();
   Eigen::ArrayXd h(n - 1), d(n - 1);
   for (Eigen::Index i = 0; i + 1 < n; ++i) {
-    h[i] = t[static_cast<std::size_t>(i + 1)] - t[static_cast<std::size_t>(i)];
+    h[i] = t[i + 1] - t[i];
     d[i] = (x[i + 1] - x[i]) / h[i];
   }
   if (n == 2) return Eigen::RowVectorXd::Constant(2, d[0]);
@@ -148,8 +148,7 @@ MotionPath::MotionPath(MotionPath&&) noexcept = default;
 MotionPath::~MotionPath() = default;
 
 JointState MotionPath::of_phases(const std::vector<Phase>& phases, double time) {
-  const auto next = std::upper_bound(phases.begin(), phases.end(), time,
-                                     [](double t, const Phase& phase) { return t < phase.start; });
+  const auto next = std::ranges::upper_bound(phases, time, {}, &Phase::start);
   const Phase& p = next == phases.begin() ? *next : *std::prev(next);
   const double s = std::max(0.0, time - p.start);
   return {p.position + s * (p.velocity + s * (p.acceleration / 2 + s * p.jerk / 6)),
@@ -163,15 +162,15 @@ JointState MotionPath::of_moves(const Moves& moves, double time) {
 
 JointState MotionPath::of_table(std::size_t joint, double time) const {
   const std::vector<double>& t = motion_.table.time;
-  const auto row = motion_.table.positions.row(static_cast<Eigen::Index>(joint));
-  const auto last = static_cast<Eigen::Index>(t.size()) - 1;
+  const auto row = motion_.table.positions.row(joint);
+  const auto last = std::ssize(t) - 1;
   const double row_time = t.front() + time;
   if (last == 0 || row_time < t.front()) return {row[0], 0, 0};
   if (row_time > t.back()) return {row[last], 0, 0};
-  const auto next = std::upper_bound(t.begin(), t.end(), row_time);
+  const auto next = std::ranges::upper_bound(t, row_time);
   const auto i = std::clamp<Eigen::Index>(next - t.begin() - 1, 0, last - 1);
-  const auto at = [&](Eigen::Index k) { return t[static_cast<std::size_t>(k)]; };
-  const auto slope = slopes_.row(static_cast<Eigen::Index>(joint));
+  const auto at = [&](Eigen::Index k) { return t[k]; };
+  const auto slope = slopes_.row(joint);
   const double h = at(i + 1) - at(i), s = (row_time - at(i)) / h;
   const double m0 = h * slope[i], m1 = h * slope[i + 1], rise = row[i + 1] - row[i];
   const double square = 3 * rise - 2 * m0 - m1, cube = m0 + m1 - 2 * rise;
@@ -182,7 +181,7 @@ JointState MotionPath::of_table(std::size_t joint, double time) const {
 double MotionPath::along(const RecordedSignal& signal, double time) const {
   const std::vector<double>& t = motion_.table.time;
   const double row_time = std::clamp(t.front() + time, t.front(), t.back());
-  const auto next = std::upper_bound(t.begin(), t.end(), row_time);
+  const auto next = std::ranges::upper_bound(t, row_time);
   if (next == t.end()) return signal.values[signal.values.size() - 1];
   const Eigen::Index i = next - t.begin();
   const double part = (row_time - *(next - 1)) / (*next - *(next - 1));
@@ -190,8 +189,7 @@ double MotionPath::along(const RecordedSignal& signal, double time) const {
 }
 
 bool states_any(const std::vector<RecordedSignal>& signals) {
-  return std::any_of(signals.begin(), signals.end(),
-                     [](const RecordedSignal& s) { return s.values.size() > 0; });
+  return std::ranges::any_of(signals, [](const RecordedSignal& s) { return s.values.size() > 0; });
 }
 
 JointState MotionPath::at(std::size_t joint, double time) const {
@@ -211,7 +209,7 @@ JointState MotionPath::at(std::size_t joint, double time) const {
 
 bool MotionPath::within_lanes(const std::vector<Oscillation>& oscillations, const double* time) const {
   const double latest = std::max(std::abs(time[0]), std::abs(time[batch_size - 1]));
-  return std::all_of(oscillations.begin(), oscillations.end(), [&](const Oscillation& o) {
+  return std::ranges::all_of(oscillations, [&](const Oscillation& o) {
     return std::abs(o.rate) * latest + std::abs(o.phase) <= lanes::largest_angle;
   });
 }
@@ -229,26 +227,26 @@ void MotionPath::positions(std::size_t joint, const double* time, double* out, I
 }
 
 Eigen::VectorXd MotionPath::position(double time) const {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(count_));
-  for (std::size_t i = 0; i < count_; ++i) q[static_cast<Eigen::Index>(i)] = at(i, time).position;
+  Eigen::VectorXd q(count_);
+  for (std::size_t i = 0; i < count_; ++i) q[i] = at(i, time).position;
   return q;
 }
 
 Eigen::VectorXd MotionPath::velocity(double time) const {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(count_));
-  for (std::size_t i = 0; i < count_; ++i) v[static_cast<Eigen::Index>(i)] = at(i, time).velocity;
+  Eigen::VectorXd v(count_);
+  for (std::size_t i = 0; i < count_; ++i) v[i] = at(i, time).velocity;
   return v;
 }
 
 Eigen::VectorXd MotionPath::acceleration(double time) const {
-  Eigen::VectorXd a(static_cast<Eigen::Index>(count_));
-  for (std::size_t i = 0; i < count_; ++i) a[static_cast<Eigen::Index>(i)] = at(i, time).acceleration;
+  Eigen::VectorXd a(count_);
+  for (std::size_t i = 0; i < count_; ++i) a[i] = at(i, time).acceleration;
   return a;
 }
 
 Eigen::MatrixX2d extent(const Motion& motion) {
   const MotionPath path(motion);
-  Eigen::MatrixX2d range(static_cast<Eigen::Index>(path.joints()), 2);
+  Eigen::MatrixX2d range(path.joints(), 2);
   const double samples = std::floor(motion.duration * motion.sample_rate + 0.5);
   const double points = std::min(samples, most_points), step = samples / std::max(points, 1.0);
   for (std::size_t i = 0; i < path.joints(); ++i) {
@@ -259,7 +257,7 @@ Eigen::MatrixX2d extent(const Motion& motion) {
       low = std::min(low, q);
       high = std::max(high, q);
     }
-    range.row(static_cast<Eigen::Index>(i)) << low, high;
+    range.row(i) << low, high;
   }
   return range;
 }

@@ -16,8 +16,7 @@ namespace {
 
 bool needs_orientation(const OperationalModel& model) {
   return model.frame == CoordinateFrame::tip ||
-         std::any_of(model.coordinates.begin(), model.coordinates.end(),
-                     [](Coordinate c) { return !is_position(c); });
+         std::ranges::any_of(model.coordinates, [](Coordinate c) { return !is_position(c); });
 }
 
 bool same_origins(const Chain& a, const Chain& b) {
@@ -83,7 +82,7 @@ void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
 }
 
 bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) const {
-  return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
+  return std::ranges::all_of(chain.joints, [&](const FoldedJoint& joint) {
     return joint.prismatic ||
            kernels_.within(joints + joint.coordinate * batch_size, std::abs(joint.multiplier),
                            lanes::largest_angle - std::abs(joint.offset));
@@ -142,9 +141,8 @@ Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {
   Eigen::VectorXd all(channels_.coordinates);
   for (std::size_t c = 0; c < plan_.coordinates; ++c) {
     const double* const values = of_lanes.data() + c * kernels_.lanes;
-    all[static_cast<Eigen::Index>(c)] = coordinates_[c] >= 6
-                                            ? std::numeric_limits<double>::infinity()
-                                            : *std::max_element(values, values + kernels_.lanes);
+    all[c] = coordinates_[c] >= 6 ? std::numeric_limits<double>::infinity()
+                                  : *std::max_element(values, values + kernels_.lanes);
   }
   return all;
 }
@@ -170,7 +168,7 @@ void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_indepe
   ErrorColumn column{parts_.size(), 0, false, false, 0, {}, mean, half_width};
   for (std::size_t k = 0; k < chain.joints.size(); ++k) {
     const ChainJoint& joint = chain.joints[k];
-    const double factor = joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    const double factor = joint.multiplier * of_independent[joint.coordinate];
     if (factor != 0) parts_.push_back({k, factor});
   }
   column.parts = parts_.size() - column.first;
@@ -221,13 +219,11 @@ void PathErrors::bound(const OperationalModel& model) {
   plan_.largest_remainder =
       r.per_column.sum() > 0 ? r.position + r.per_column.sum() * (1 + 1e-12) * arm : r.position;
   for (std::size_t k = 0; k < scale_.size(); ++k)
-    per_column_.push_back(r.per_column[static_cast<Eigen::Index>(k)] / std::abs(scale_[k]));
+    per_column_.push_back(r.per_column[k] / std::abs(scale_[k]));
 }
 
 void PathErrors::set_plan(const OperationalModel& model) {
-  const auto any_coordinate = [&](auto property) {
-    return std::any_of(model.coordinates.begin(), model.coordinates.end(), property);
-  };
+  const auto any_coordinate = [&](auto property) { return std::ranges::any_of(model.coordinates, property); };
   plan_.chain = path_of(chain_);
   plan_.built = path_of(built_);
   plan_.as_modelled = as_modelled_;
@@ -243,14 +239,13 @@ void PathErrors::set_plan(const OperationalModel& model) {
   plan_.angles = any_coordinate(is_euler_angle);
   plan_.biased = channels_.biased;
   plan_.tip_frame = model.frame == CoordinateFrame::tip;
-  plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
-                            [](const ErrorColumn& c) { return !c.direct && !c.origin; });
+  plan_.mixed = std::ranges::any_of(columns_, [](const ErrorColumn& c) { return !c.direct && !c.origin; });
   plan_.per_column = per_column_.data();
   plan_.center_mean = center_mean_.data();
   const auto padded_to_lanes = [&](std::size_t count) {
     return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
   };
-  plan_.width = padded_to_lanes(static_cast<std::size_t>(channels_.count()));
+  plan_.width = padded_to_lanes(channels_.count());
 }
 
 PathBatch::PathBatch(const Motion& motion, InstructionSet set)

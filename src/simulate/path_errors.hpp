@@ -19,11 +19,11 @@ struct Channels {
   bool biased;
 
   explicit Channels(const OperationalModel& model)
-      : coordinates(static_cast<Eigen::Index>(model.coordinates.size())),
-        encoders(static_cast<Eigen::Index>(model.transmission.encoders.size())),
+      : coordinates(std::ssize(model.coordinates)),
+        encoders(std::ssize(model.transmission.encoders)),
         biased((mean_errors(model.transmission).array() != 0).any() ||
-               std::any_of(model.sources.begin(), model.sources.end(),
-                           [](const IndependentError& source) { return source.mean != 0; })) {}
+               std::ranges::any_of(model.sources,
+                                   [](const IndependentError& source) { return source.mean != 0; })) {}
 
   Eigen::Index count() const { return coordinates * (2 + encoders + (biased ? 1 : 0)); }
   Eigen::Index linear() const { return coordinates; }
@@ -54,7 +54,7 @@ class PathErrors {
   /// The sum over the instants first .. last - 1 of the last batch, and over all encoders, of (J C Delta)^2.
   double variance(Eigen::Index coordinate, std::size_t first, std::size_t last) const {
     const double* const values = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
-    return Eigen::Map<const Eigen::ArrayXd>(values + first, static_cast<Eigen::Index>(last - first)).sum();
+    return Eigen::Map<const Eigen::ArrayXd>(values + first, last - first).sum();
   }
   /// Largest bounds over all batches so far: of the error, and of its difference from the mean at the centre.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }

@@ -117,7 +117,7 @@ class FilteredZeros {
         filter_(filter, zeros_.positions.size(), batch_size),
         errors_(zeros_.positions.size() * batch_size),
         out_(errors_.size()),
-        squares_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(zeros_.positions.size()))),
+        squares_(Eigen::VectorXd::Zero(std::ssize(zeros_.positions))),
         of_means_(filter, few, batch_size),
         means_(few * batch_size),
         out_of_means_(few * batch_size) {}
@@ -292,15 +292,15 @@ Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::v
   std::vector<std::vector<double>> v(encoders);
   std::vector<Moment> moments;
   record.read(model, displacing, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-    const auto settled = static_cast<std::size_t>(std::count_if(
-        used.begin(), used.end(), [&](std::size_t i) { return !record.is_after_settling(batch.first + i); }));
+    const auto settled = static_cast<std::size_t>(std::ranges::count_if(
+        used, [&](std::size_t i) { return !record.is_after_settling(batch.first + i); }));
     moments.clear();
     for (auto& of_encoder : v) of_encoder.assign(used.size(), 0);
     for (std::size_t k = 0; k < used.size(); ++k) {
       moments.push_back({.index = batch.first + used[k], .time = batch.time[used[k]]});
       if (!jitters) continue;
       const Eigen::VectorXd all = speeds.at(batch.time[used[k]]);
-      for (std::size_t e = 0; e < encoders; ++e) v[e][k] = all[static_cast<Eigen::Index>(e)];
+      for (std::size_t e = 0; e < encoders; ++e) v[e][k] = all[e];
     }
     for (std::size_t e = 0; e < encoders; ++e) {
       if (!moving[e]) continue;
@@ -314,9 +314,9 @@ Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::v
     }
   });
   const auto samples = static_cast<double>(record.samples_after_settling());
-  Eigen::VectorXd all = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(encoders), at_rest);
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(encoders, at_rest);
   for (std::size_t e = 0; e < encoders; ++e)
-    if (moving[e]) all[static_cast<Eigen::Index>(e)] = moving[e]->variance(filter, samples);
+    if (moving[e]) all[e] = moving[e]->variance(filter, samples);
   return all;
 }
 

@@ -41,7 +41,7 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalError&
 
 Eigen::VectorXd center(const Motion& motion) {
   const MotionPath path(motion);
-  Eigen::VectorXd middle(static_cast<Eigen::Index>(path.joints()));
+  Eigen::VectorXd middle(path.joints());
   Eigen::MatrixX2d range;
   for (std::size_t i = 0; i < path.joints(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -62,7 +62,7 @@ Eigen::VectorXd displacement_of_run(const Transmission& t, const SimulationOptio
   if (!options.random_phase) return d;
   const auto first = run * static_cast<std::uint64_t>(d.size());
   for (Eigen::Index i = 0; i < d.size(); ++i)
-    d[i] = t.encoders[static_cast<std::size_t>(i)].resolution *
+    d[i] = t.encoders[i].resolution *
            (unit_interval(random_bits(options.seed, first + static_cast<std::uint64_t>(i), stream)) - 0.5);
   return d;
 }
@@ -136,7 +136,7 @@ ErrorTracer::ErrorTracer(const Job& job, Eigen::Index coordinates, std::size_t w
     const double rate = job.motion.sample_rate;
     const std::uint64_t first = (settling_ + every - 1) / every * every;
     traces_.push_back({static_cast<double>(first) / rate, rate / static_cast<double>(every),
-                       std::vector<std::vector<double>>(static_cast<std::size_t>(coordinates))});
+                       std::vector<std::vector<double>>(coordinates)});
   };
   add_trace(1);
   for (std::size_t f = 0; f < job.filters.size(); ++f) {
@@ -197,7 +197,7 @@ class Runs {
 
   RunsResult operator()(const std::function<void()>& tick) {
     for (std::uint64_t first = 0; first < job_.samples; first += batch_size) {
-      path_.at(first, static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first)));
+      path_.at(first, std::min<std::uint64_t>(batch_size, job_.samples - first));
       if (runs_.size() > 1) errors_.share(path_);
       find_blocks(job_, first, path_.count(), blocks_);
       for (Run& run : runs_) {

@@ -31,7 +31,7 @@ void RunStatistics::add(const double* values, std::size_t stride, std::size_t ro
   }
   if (block != block_ || count_ + rows > most_of_piece) close_piece();
   block_ = block;
-  kernels_->tally(values, stride, rows, width_, static_cast<std::size_t>(peak_.size()), count_ == 0, tally_);
+  kernels_->tally(values, stride, rows, width_, peak_.size(), count_ == 0, tally_);
   count_ += rows;
 }
 
@@ -88,32 +88,28 @@ void RunStatistics::join_neighbours() {
   blocks_.resize((blocks_.size() + 1) / 2);
 }
 
-double RunStatistics::mean(Eigen::Index channel) const {
+template <class Sum>
+double RunStatistics::per_sample(Sum of_block) const {
   double sum = 0, count = 0;
   for (const Sums& s : blocks_) {
-    sum += s.mean[channel] * s.count;
+    sum += of_block(s);
     count += s.count;
   }
   return count > 0 ? sum / count : 0;
+}
+
+double RunStatistics::mean(Eigen::Index channel) const {
+  return per_sample([&](const Sums& s) { return s.mean[channel] * s.count; });
 }
 
 double RunStatistics::variance(Eigen::Index channel) const {
-  double squares = 0, count = 0;
-  const double m = mean(channel);
-  for (const Sums& s : blocks_) {
-    squares += s.squares[channel] + s.count * std::pow(s.mean[channel] - m, 2);
-    count += s.count;
-  }
-  return count > 0 ? squares / count : 0;
+  return per_sample([&, m = mean(channel)](const Sums& s) {
+    return s.squares[channel] + s.count * std::pow(s.mean[channel] - m, 2);
+  });
 }
 
 double RunStatistics::expected(Eigen::Index channel) const {
-  double sum = 0, count = 0;
-  for (const Sums& s : blocks_) {
-    sum += s.expected[channel];
-    count += s.count;
-  }
-  return count > 0 ? sum / count : 0;
+  return per_sample([&](const Sums& s) { return s.expected[channel]; });
 }
 
 RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
@@ -156,7 +152,7 @@ RunStatistics::Interval RunStatistics::sigma_interval_of(std::uint64_t runs, dou
   std::vector<double> errors;
   for (std::uint64_t d = 0; d < draws; ++d)
     errors.push_back(variance_of_drawn(runs) - variance_of_drawn(blocks_.size()));
-  std::sort(errors.begin(), errors.end());
+  std::ranges::sort(errors);
   const auto root = [&](double part) {
     return std::sqrt(std::max(0.0, variance - errors[static_cast<std::size_t>(part * draws)]));
   };

@@ -70,6 +70,8 @@ class RunStatistics {
   };
   void close_piece();
   void join_neighbours();
+  template <class Sum>
+  double per_sample(Sum of_block) const;  // over all blocks
 
   std::vector<Sums> blocks_;
   Eigen::ArrayXd peak_;  // of the first channels

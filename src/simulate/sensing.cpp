@@ -25,8 +25,8 @@ Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
 }
 
 bool needs_effort(const std::vector<Effect>& effects) {
-  return std::any_of(effects.begin(), effects.end(),
-                     [](const Effect& e) { return effect_kind(e.type).need == Need::effort && has_size(e); });
+  return std::ranges::any_of(
+      effects, [](const Effect& e) { return effect_kind(e.type).need == Need::effort && has_size(e); });
 }
 
 Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std::vector<Effect>& effects,
@@ -74,8 +74,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       list.add(kind, std::move(action));
     }
   }
-  shaft_differs_ = std::any_of(actions_.begin(), actions_.end(),
-                               [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
+  shaft_differs_ =
+      std::ranges::any_of(actions_, [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
   const std::size_t n = actions_.size();
   for (AlignedNumbers* rows : {&joint_, &counts_, &measured_}) *rows = AlignedNumbers(n * batch_size);
   if (!transmission_.coupling.is_identity())
@@ -94,23 +94,22 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
             shift_.data()};
   for (Eigen::VectorXd* v : {&reading_.joint, &reading_.encoder, &reading_.counts, &reading_.measured,
                              &reading_.estimate, &reading_.logged, &reading_.reference})
-    v->resize(static_cast<Eigen::Index>(n));
-  if (effort_) reading_.effort.resize(static_cast<Eigen::Index>(n));
-  if (temperature_) reading_.temperature_rise.setZero(static_cast<Eigen::Index>(n));
+    v->resize(n);
+  if (effort_) reading_.effort.resize(n);
+  if (temperature_) reading_.temperature_rise.setZero(n);
 }
 
 double Sensing::position(std::size_t joint, double time) const {
-  return path_.path().position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
+  return path_.path().position(joint, time) + shift_[joint];
 }
 
 /// As the motion states them; of other joints by the masses, 0 without any.
 Eigen::VectorXd Sensing::effort(double time) const {
-  const auto n = static_cast<Eigen::Index>(actions_.size());
+  const auto n = std::ssize(actions_);
   const std::vector<RecordedSignal>& stated = path_.path().table().efforts;
   Eigen::VectorXd efforts = masses_ ? dynamic_effort(time) : Eigen::VectorXd::Zero(n).eval();
   for (std::size_t i = 0; i < stated.size(); ++i)
-    if (stated[i].values.size() > 0)
-      efforts[static_cast<Eigen::Index>(i)] = path_.path().along(stated[i], time);
+    if (stated[i].values.size() > 0) efforts[i] = path_.path().along(stated[i], time);
   return efforts;
 }
 
@@ -120,10 +119,10 @@ double Sensing::temperature_rise(std::size_t joint, double time) const {
 }
 
 Eigen::VectorXd Sensing::dynamic_effort(double time) const {
-  const auto n = static_cast<Eigen::Index>(actions_.size());
+  const auto n = std::ssize(actions_);
   Eigen::VectorXd q(n), velocity(n), acceleration(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const JointState state = path_.path().at(static_cast<std::size_t>(i), time);
+    const JointState state = path_.path().at(i, time);
     q[i] = state.position + shift_[i];
     velocity[i] = state.velocity;
     acceleration[i] = state.acceleration;
@@ -161,7 +160,7 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
     m.joint = position(joint, instant);
     if (effort_ && !a.motion.empty()) {
       const JointState state = driven(joint, instant);
-      m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
+      m.effort = effort(instant)[joint];
       m.velocity = state.velocity, m.acceleration = state.acceleration;
     }
   }
@@ -177,7 +176,7 @@ void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
 double Sensing::count_of(std::size_t encoder, double position) const {
   const Encoder& e = transmission_.encoders[encoder];
   if (rounds_) return std::round(quantize(e, position) / e.resolution);
-  return (position + mean_error(e) - mean_rounding_[static_cast<Eigen::Index>(encoder)]) / e.resolution;
+  return (position + mean_error(e) - mean_rounding_[encoder]) / e.resolution;
 }
 
 double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
@@ -242,12 +241,10 @@ const SensedBatch& Sensing::sense(const PathBatch& path) {
   const std::size_t n = actions_.size(), count = path.count();
   const SimulationKernels& kernels = select_kernels<SimulationKernels>(set_);
   for (std::size_t joint = 0; joint < n; ++joint)
-    kernels.displace(path.joints() + joint * batch_size, shift_[static_cast<Eigen::Index>(joint)],
-                     joint_.data() + joint * batch_size);
+    kernels.displace(path.joints() + joint * batch_size, shift_[joint], joint_.data() + joint * batch_size);
   for (std::size_t i = 0; effort_ && i < count; ++i) {
     const Eigen::VectorXd efforts = effort(path.time()[i]);
-    for (std::size_t joint = 0; joint < n; ++joint)
-      efforts_[joint * batch_size + i] = efforts[static_cast<Eigen::Index>(joint)];
+    for (std::size_t joint = 0; joint < n; ++joint) efforts_[joint * batch_size + i] = efforts[joint];
   }
   batch_.encoder = mixed(to_encoders_, joint_, encoder_);
   const double* const shafts = shaft_differs_ ? shaft_positions(count) : batch_.encoder;
@@ -263,19 +260,18 @@ Reading& Sensing::reading(std::size_t i) {
   r.index = batch_.first + i;
   r.time = batch_.time[i];
   for (std::size_t j = 0; j < actions_.size(); ++j) {
-    const auto row = static_cast<Eigen::Index>(j);
     const std::size_t k = j * batch_size + i;
-    r.joint[row] = joint_[k];
-    r.encoder[row] = batch_.encoder[k];
-    r.counts[row] = direction(transmission_.encoders[j]) * counts_[k];
-    r.measured[row] = measured_[k];
-    r.estimate[row] = batch_.estimate[k];
-    if (effort_) r.effort[row] = efforts_[k];
+    r.joint[j] = joint_[k];
+    r.encoder[j] = batch_.encoder[k];
+    r.counts[j] = direction(transmission_.encoders[j]) * counts_[k];
+    r.measured[j] = measured_[k];
+    r.estimate[j] = batch_.estimate[k];
+    if (effort_) r.effort[j] = efforts_[k];
     Moment m = moment(j, i);
-    if (temperature_) r.temperature_rise[row] = m.temperature_rise;
+    if (temperature_) r.temperature_rise[j] = m.temperature_rise;
     m.effort = 0;
-    r.logged[row] = actions_[j].log(r.estimate[row], m);
-    r.reference[row] = actions_[j].log(actions_[j].reference(r.joint[row], m), m);
+    r.logged[j] = actions_[j].log(r.estimate[j], m);
+    r.reference[j] = actions_[j].log(actions_[j].reference(r.joint[j], m), m);
   }
   r.tip = tracked_tip(built_, r.joint);
   return r;

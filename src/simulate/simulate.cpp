@@ -231,8 +231,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
         exact_variance = squares[c] / 12;
       else if (of_zeros.runs > 0)
         exact_variance = variance_of_parts(exact.outputs[f], c, Channels(nearest));
-      row.push_back(
-          signal_of(all.outputs[f], theory[f][static_cast<std::size_t>(c)], exact_variance, c, channels));
+      row.push_back(signal_of(all.outputs[f], theory[f][c], exact_variance, c, channels));
       if (of_scatter.runs == 0) continue;
       const RunStatistics::Interval interval =
           others.outputs[f].sigma_interval_of(options.runs, all.outputs[f].variance(c), c);

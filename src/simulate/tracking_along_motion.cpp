@@ -95,7 +95,7 @@ class TrackingFilter {
 
   /// Output minus the ideal one, in the base frame.
   Eigen::Vector3d error(const TrueSignal& s) {
-    for (Eigen::Index i = 0; i < 3; ++i) in_[static_cast<std::size_t>(i)] = s.position[i] - start_[i];
+    for (Eigen::Index i = 0; i < 3; ++i) in_[i] = s.position[i] - start_[i];
     filter_(in_.data(), lanes, 1, out_.data());
     return Eigen::Vector3d(out_[0], out_[1], out_[2]) + constant_ - s.derivative;
   }
@@ -131,8 +131,7 @@ class EffectErrors {
   EffectErrors(const OperationalModel& model, const std::vector<Effect>& effects, const Filter& filter)
       : any_(!effects.empty()),
         width_((model.coordinates.size() + lanes - 1) / lanes * lanes),
-        errors_(model, as_built(model.chain, effects),
-                Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.coordinates.size()))),
+        errors_(model, as_built(model.chain, effects), Eigen::VectorXd::Zero(std::ssize(model.coordinates))),
         filter_(filter, width_, batch_size),
         rows_(width_ * batch_size),
         filtered_(width_ * batch_size) {}

@@ -37,7 +37,7 @@ class UnroundedRecord {
   /// Calls visit(batch, the used samples in it) for all batches in the order of time.
   template <class Visit>
   void read(const OperationalModel& model, const std::vector<Effect>& effects, Visit visit) const {
-    const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+    const auto n = std::ssize(model.transmission.encoders);
     read(model, effects, Eigen::VectorXd::Zero(n), visit);
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/lists.hpp"
 #include "core/parallel.hpp"
 #include "filter/run/cascade.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
@@ -40,7 +41,7 @@ struct ComparedMotion {
   }
   bool applies(std::size_t row, std::size_t joint) const {
     const auto& joints = row < filters.size() ? filters[row].joints : estimators[row - filters.size()].joints;
-    return joints.empty() || std::find(joints.begin(), joints.end(), joint) != joints.end();
+    return joints.empty() || contains(joints, joint);
   }
 };
 
@@ -56,9 +57,7 @@ double sub_step(const Motion& motion) {
 EncoderPath path_of(const ComparedMotion& c, std::size_t encoder, double displacement) {
   std::vector<std::pair<std::size_t, double>> parts;
   for (std::size_t j = 0; j < c.path.joints(); ++j)
-    if (const double part = c.to_encoders(static_cast<Eigen::Index>(encoder), static_cast<Eigen::Index>(j));
-        part != 0)
-      parts.emplace_back(j, part);
+    if (const double part = c.to_encoders(encoder, j); part != 0) parts.emplace_back(j, part);
   const auto sum = [&path = c.path, parts](double time, double JointState::*value) {
     double all = 0;
     for (const auto& [joint, part] : parts) all += part * (path.at(joint, time).*value);
@@ -135,9 +134,7 @@ VelocitySeries series_of(const ComparedMotion& c, std::size_t row, std::size_t j
     if (sample < c.first) continue;
     double estimate = 0;
     for (std::size_t e = 0; e < encoders.size(); ++e)
-      estimate +=
-          c.model.transmission.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(e)) *
-          encoders[e][row][i];
+      estimate += c.model.transmission.coupling(joint, e) * encoders[e][row][i];
     s.time.push_back(c.time(sample));
     s.estimate.push_back(estimate);
     s.velocity.push_back(c.path.at(joint, s.time.back()).velocity);
@@ -203,10 +200,9 @@ std::vector<ErrorAtSpeed> by_speed(const VelocitySeries& s) {
 std::optional<double> bound_of(const ComparedMotion& c, std::size_t row, std::size_t joint,
                                const VelocitySeries& s) {
   const Transmission& t = c.model.transmission;
-  const auto j = static_cast<Eigen::Index>(joint);
   if (row < c.filters.size()) {
     if (!c.effects.empty()) return std::nullopt;
-    return c.filters[row].norms.l1.upper * 0.5 * t.coupling.row(j).cwiseAbs().dot(resolutions(t));
+    return c.filters[row].norms.l1.upper * 0.5 * t.coupling.row(joint).cwiseAbs().dot(resolutions(t));
   }
   const EstimatorDesign& d = c.estimators[row - c.filters.size()];
   const bool edges = d.choices.contains("edges") && d.choices.at("edges") == "all";
@@ -274,13 +270,12 @@ std::vector<EstimatedVelocity> compare_velocities(const OperationalModel& model,
   for (std::uint64_t run = 0; run < options.runs; ++run) {
     const Eigen::VectorXd displacement = displacement_of_run(model.transmission, options, run);
     const std::vector<std::vector<double>> counts = counts_of_run(c, run, displacement);
-    parallel_for(joints, options.threads, [&](std::size_t e) {
-      run_encoder(c, e, counts[e], displacement[static_cast<Eigen::Index>(e)], encoders[e]);
-    });
+    parallel_for(joints, options.threads,
+                 [&](std::size_t e) { run_encoder(c, e, counts[e], displacement[e], encoders[e]); });
   }
   std::vector<EstimatedVelocity> all;
   for (std::size_t joint = 0; joint < joints; ++joint) {
-    const auto begin = static_cast<std::ptrdiff_t>(all.size());
+    const auto begin = std::ssize(all);
     for (std::size_t row = 0; row < c.rows(); ++row)
       if (c.applies(row, joint)) all.push_back(judged(c, row, joint, series_of(c, row, joint, encoders)));
     std::stable_sort(all.begin() + begin, all.end(),

@@ -235,7 +235,7 @@ TEST(ProvenMaximum, OfEulerAnglesHasNoUpperBound) {
 TEST(ProvenMaximum, OfSigmaWithAnUnknownSpectrumIsAnError) {
   OperationalModel m = planar(0.4, 0.3, 2e-3, 1e-3);
   m.transmission.encoders[0].accuracy = 1e-3;
-  const SigmaRatios unknown(2, {std::numeric_limits<double>::quiet_NaN()});
+  const std::vector<SigmaRatios> unknown(2, {{std::numeric_limits<double>::quiet_NaN()}, {}});
   m.sources = accuracy_sources(m.transmission.encoders, unknown, unknown);
   const std::vector<Norms> filters{norms(difference_filter(1000, 1))};
   EXPECT_THROW(proven_maxima(m, filters, {{-1, 1}, {-1, 1}}, {{0, 0, Bound::sigma}}), Error);

@@ -63,7 +63,8 @@ TEST(SlowErrors, OfAGearHaveTwoPeriodsARevolution) {
   EXPECT_DOUBLE_EQ(of_gear.model.transmission.encoders[0].gear_accuracy, 1e-3);
   EXPECT_DOUBLE_EQ(of_disc.model.transmission.encoders[0].accuracy, 1e-3);
   const SlowErrorRatios gear = slow_error_ratios(of_gear), disc = slow_error_ratios(of_disc);
-  for (const std::size_t f : {0u, 1u}) EXPECT_DOUBLE_EQ(gear.gear_accuracy[0][f], disc.accuracy[0][f]);
+  for (const std::size_t f : {0u, 1u})
+    EXPECT_DOUBLE_EQ(gear.gear_accuracy[0].filters[f], disc.accuracy[0].filters[f]);
 }
 
 TEST(SlowErrors, StepsOfPlayAreThoseOfASquareWaveThroughTheFilter) {
@@ -91,7 +92,7 @@ TEST(SlowErrors, BehindAFilterStandBesideSigmaOfQuantizationAlone) {
     EXPECT_NEAR(slow.workspace.derivatives[f][0].sigma_quantization->max, sigma_behind(plain, f),
                 1e-12 * sigma_behind(plain, f));
     const double added =
-        slow_error_ratios(slow.spec).accuracy[0][f] * 0.2 * std::numbers::pi / 180 / std::sqrt(2.0);
+        slow_error_ratios(slow.spec).accuracy[0].filters[f] * 0.2 * std::numbers::pi / 180 / std::sqrt(2.0);
     EXPECT_NEAR(sigma_behind(slow, f), std::hypot(sigma_behind(plain, f), added), 1e-12);
   }
 }

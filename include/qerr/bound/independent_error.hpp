@@ -14,6 +14,12 @@ struct SignalMoments {
   Eigen::MatrixXd covariance;  ///< about the mean
 };
 
+/// Sigma of the true motion and of the torque in a joint's closed loop over that of the error of its reading;
+/// NaN: not known.
+struct LoopRatio {
+  double motion = 0, torque = 0;
+};
+
 /// Error, estimate - true, that effects add along one motion, without quantization: a known signal, the same
 /// in every run, and independent of the sampled configurations.
 ///
@@ -22,7 +28,8 @@ struct SignalMoments {
 struct ErrorAlongMotion {
   SignalMoments joints;  ///< of the independent joints [rad or m]
   SignalMoments tip;     ///< of the model's coordinates, then its signals of other kinds [m or rad]
-  std::vector<SignalMoments> filtered;  ///< [filter]: the same signals behind it [m/s, rad/s, ...]
+  std::vector<SignalMoments> filtered;   ///< [filter]: the same signals behind it [m/s, rad/s, ...]
+  std::vector<LoopRatio> in_loops = {};  ///< [joint]; empty: no closed loop is asked for
 };
 
 /// An error that is independent of all others, estimate - true, and where it enters: quantization of an
@@ -40,10 +47,9 @@ struct IndependentError {
       Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before `link`
   double mean = 0, half_width = 0,
          sigma = 0;  ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
-  /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white. Behind them, of
-  /// an error that is not white and a model with `control`, two of each joint: sigma of the true motion and
-  /// of the torque in its closed loop over sigma.
+  /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.
   std::vector<double> sigma_ratios = {};
+  std::vector<LoopRatio> loop_ratios = {};  ///< [joint]; empty: white, or a model without `control`
   /// Its error depends on the counts of its encoder: along a motion it is part of noise_in_motion.
   bool in_counts = false;
 };
@@ -58,14 +64,19 @@ std::vector<IndependentError> independent_errors(const Transmission&,
 /// @pre not at an origin
 Eigen::VectorXd moved_joints(const Transmission&, const IndependentError&);
 
-/// [encoder][filter]: sigma behind the filter over sigma before it; NaN: not known.
-using SigmaRatios = std::vector<std::vector<double>>;
+/// What an error that is not white passes: of each filter and of each joint's loop, as in IndependentError.
+struct SigmaRatios {
+  std::vector<double> filters;
+  std::vector<LoopRatio> loops;
+};
 
 /// Slow errors of the encoders within their `accuracy` A, a bound of unknown shape: half width A, and sigma
 /// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)); and
 /// those of their gears within `gear_accuracy`, likewise.
-std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>&, const SigmaRatios& of_encoders,
-                                               const SigmaRatios& of_gears);
+/// @param of_encoders, of_gears  one for each encoder
+std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>&,
+                                               const std::vector<SigmaRatios>& of_encoders,
+                                               const std::vector<SigmaRatios>& of_gears);
 
 /// Whether the spectra of all sources are known, and with them sigma behind the filter.
 bool sigma_is_known(const std::vector<IndependentError>&, std::size_t filter);

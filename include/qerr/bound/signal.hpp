@@ -13,7 +13,7 @@ namespace qerr {
 
 struct OperationalModel;
 struct SignalKind;
-struct LoopsAt;  // src/control/loop_response.hpp
+struct LoopsAt;  // src/bound/signals/signals.hpp
 
 /// A quantity of the robot whose error is of interest.
 struct Signal {

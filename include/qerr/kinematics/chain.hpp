@@ -41,6 +41,8 @@ struct IndependentJoint {
   std::optional<double> effort_limit = {};    ///< of the URDF [N m or N]
 
   bool prismatic() const { return type == JointType::prismatic; }
+  const char* unit() const { return prismatic() ? "m" : "rad"; }  ///< of its coordinate
+  const char* effort_unit() const { return prismatic() ? "N" : "N m"; }
 };
 
 /// The serial chain between two links of a tree, through their common ancestor.

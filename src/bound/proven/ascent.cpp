@@ -23,7 +23,7 @@ Error not_known(const std::string& what, const std::string& remedy) {
 void scale_encoders(OperationalModel& model, const Eigen::VectorXd& factors) {
   for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i) {
     Encoder& encoder = model.transmission.encoders[i];
-    encoder.resolution *= factors[static_cast<Eigen::Index>(i)];
+    encoder.resolution *= factors[i];
     encoder.rounding = Rounding::nearest;
   }
 }
@@ -64,10 +64,9 @@ OperationalModel figure_model(const OperationalModel& position, const std::vecto
   const bool in_motion = figure.bound == Bound::sigma_in_motion;
   if (in_motion && !is_known(noise_in_motion, f))
     throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
-  const auto count = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  const auto count = std::ssize(model.transmission.encoders);
   const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2, in_motion);
-  for (std::size_t i = 0; i < model.sources.size(); ++i)
-    model.sources[i].sigma *= ratios[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < model.sources.size(); ++i) model.sources[i].sigma *= ratios[i];
   scale_encoders(model, in_motion ? Eigen::VectorXd(std::sqrt(12.0) * noise_in_motion[f])
                                   : Eigen::VectorXd::Constant(count, filters[f].h2));
   return model;
@@ -94,7 +93,7 @@ std::vector<std::vector<double>> FigureValues::operator()(
     const std::size_t count = std::min<std::size_t>(batch_size, configurations.size() - first);
     for (std::size_t i = 0; i < batch_size; ++i)
       for (std::size_t j = 0; j < joints_; ++j)
-        q_[j * batch_size + i] = configurations[first + std::min(i, count - 1)][static_cast<Eigen::Index>(j)];
+        q_[j * batch_size + i] = configurations[first + std::min(i, count - 1)][j];
     errors_(q_.data(), figures_.data());
     for (std::size_t f = 0; f < figures.size(); ++f)
       for (std::size_t i = 0; i < count; ++i) values[f].push_back(value(figures[f], i));
@@ -121,8 +120,7 @@ std::vector<std::vector<Eigen::VectorXd>> FigureValues::best_samples(const std::
         else if (!(here > largest[f]))
           continue;
         largest[f] = here;
-        for (std::size_t j = 0; j < joints_; ++j)
-          best[f].back()[static_cast<Eigen::Index>(j)] = q_[j * batch_size + i];
+        for (std::size_t j = 0; j < joints_; ++j) best[f].back()[j] = q_[j * batch_size + i];
       }
   }
   return best;
@@ -173,7 +171,7 @@ double argmax_of_magnitudes(const Harmonics& h, const Limits& whole) {
     for (const double zero : {phase + off, phase - off})
       for_each_inside(zero, range, [&](double t) { ends.push_back(t); });
   }
-  std::sort(ends.begin(), ends.end());
+  std::ranges::sort(ends);
   double best = range.lower, largest = -1;
   const auto consider = [&](double t) {
     const double value = sum_of_magnitudes(h, t);
@@ -235,8 +233,7 @@ double argmax_by_search(const std::function<double(double)>& f, const Limits& ra
   std::vector<std::size_t> peaks;
   for (std::size_t i = 0; i <= count; ++i)
     if ((i == 0 || value[i] >= value[i - 1]) && (i == count || value[i] >= value[i + 1])) peaks.push_back(i);
-  std::stable_sort(peaks.begin(), peaks.end(),
-                   [&](std::size_t a, std::size_t b) { return value[a] > value[b]; });
+  std::ranges::stable_sort(peaks, [&](std::size_t a, std::size_t b) { return value[a] > value[b]; });
   constexpr std::size_t refined = 3;  // the highest sample need not be at the highest peak
   peaks.resize(std::min(peaks.size(), refined));
   double best = at[peaks.front()], largest = value[peaks.front()];
@@ -294,7 +291,7 @@ class Ascent {
     constexpr double third = 2 * std::numbers::pi / 3;
     const auto at = [&](double angle) {
       Eigen::VectorXd q = q_;
-      q[static_cast<Eigen::Index>(joint)] = (angle - axis.offset) / axis.multiplier;
+      q[joint] = (angle - axis.offset) / axis.multiplier;
       return terms_.vectors(terms_.columns(q));
     };
     const Eigen::Matrix3Xd v0 = at(0), v1 = at(third), v2 = at(-third);
@@ -316,7 +313,7 @@ class Ascent {
     Eigen::VectorXd values(rows * count + (terms_.sigma() ? 0 : 1));
     double mean = 0;
     for (Eigen::Index g = 0; g < count; ++g) {
-      const ErrorTerm& term = list[static_cast<std::size_t>(g)];
+      const ErrorTerm& term = list[g];
       values.segment(rows * g, rows) =
           (terms_.sigma() ? term.sigma : term.half_width) * v.col(g).segment(first, rows);
       mean += term.mean * v(first, g);
@@ -331,8 +328,8 @@ class Ascent {
     const std::vector<ErrorTerm>& list = terms_.terms();
     Eigen::VectorXd mean(v.cols()), width(v.cols()), best;
     for (Eigen::Index g = 0; g < v.cols(); ++g) {
-      mean[g] = list[static_cast<std::size_t>(g)].mean;
-      width[g] = list[static_cast<std::size_t>(g)].half_width;
+      mean[g] = list[g].mean;
+      width[g] = list[g].half_width;
     }
     double longest = -1;
     for (Eigen::Index along = 0; along < v.cols() + 3; ++along) {  // from each term's direction, and the axes
@@ -355,7 +352,7 @@ class Ascent {
     Eigen::VectorXd q = q_;
     accept(joint, argmax_by_search(
                       [&](double at) {
-                        q[static_cast<Eigen::Index>(joint)] = at;
+                        q[joint] = at;
                         return terms_.value(q);
                       },
                       ranges_[joint], 64));
@@ -363,7 +360,7 @@ class Ascent {
 
   void accept(std::size_t joint, double at) {
     Eigen::VectorXd q = q_;
-    q[static_cast<Eigen::Index>(joint)] = std::clamp(at, ranges_[joint].lower, ranges_[joint].upper);
+    q[joint] = std::clamp(at, ranges_[joint].lower, ranges_[joint].upper);
     accept(q);
   }
 
@@ -381,7 +378,7 @@ class Ascent {
     for (double times = 1; times <= 1024; times *= 2) {
       Eigen::VectorXd q = q_ + times * step;
       for (std::size_t j = 0; j < ranges_.size(); ++j) {
-        double& at = q[static_cast<Eigen::Index>(j)];
+        double& at = q[j];
         at = std::clamp(at, ranges_[j].lower, ranges_[j].upper);
       }
       if (!accept(q)) break;

@@ -68,7 +68,7 @@ BoxBound::BoxBound(const ErrorTerms& terms, const std::vector<Limits>& ranges)
 
 /// The magnitude of the mean is that of one more term.
 void BoxBound::set_parts() {
-  Part mean{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count_)), 1};
+  Part mean{Eigen::VectorXd::Zero(count_), 1};
   for (const ErrorTerm& term : terms_.terms()) {
     const double size = terms_.sigma() ? term.sigma : term.half_width;
     if (size > 0) parts_.push_back({term.weights, size});
@@ -104,9 +104,8 @@ bool BoxBound::turns_whole(const TermColumns& at, std::size_t axis) const {
 }
 
 void BoxBound::set_influence(const std::vector<Limits>& ranges) {
-  Eigen::VectorXd middle(static_cast<Eigen::Index>(joints_));
-  for (std::size_t j = 0; j < joints_; ++j)
-    middle[static_cast<Eigen::Index>(j)] = 0.5 * (ranges[j].lower + ranges[j].upper);
+  Eigen::VectorXd middle(joints_);
+  for (std::size_t j = 0; j < joints_; ++j) middle[j] = 0.5 * (ranges[j].lower + ranges[j].upper);
   const TermColumns at = terms_.columns(middle);
   const bool of_length = terms_.length() || terms_.turned_base();
   std::vector<bool> idle(count_, false);
@@ -115,25 +114,24 @@ void BoxBound::set_influence(const std::vector<Limits>& ranges) {
       idle[k] = true;
       continue;
     }
-    const Eigen::Vector3d axis = at.turning.col(static_cast<Eigen::Index>(k));
+    const Eigen::Vector3d axis = at.turning.col(k);
     idle[k] =
         of_length ? turns_whole(at, k) : Eigen::Vector3d::Unit(terms_.row()).cross(axis).norm() <= parallel;
     if (of_length || !idle[k]) break;  // axes beyond turn a part of the columns
   }
   matters_.assign(joints_, false);
   for (const std::size_t k : movers_)
-    if (!idle[k]) matters_[static_cast<std::size_t>(terms_.axes()[k].coordinate)] = true;
+    if (!idle[k]) matters_[terms_.axes()[k].coordinate] = true;
 }
 
 void BoxBound::set_reach(const Eigen::VectorXd& half) {
   double carried = 0;
   for (std::size_t k = count_; k-- > 0;) {
     const TermAxis& axis = terms_.axes()[k];
-    const auto i = static_cast<Eigen::Index>(k);
-    radius_[i] = axis.coordinate < 0 ? 0 : std::abs(axis.multiplier) * half[axis.coordinate];
-    reach_[i] = !axis.turns ? 1 : std::min(length_[i], at_.columns.col(i).norm() + carried);
-    if (terms_.in_tip_frame()) reach_[i] = length_[i];
-    carried += radius_[i] * reach_[i];
+    radius_[k] = axis.coordinate < 0 ? 0 : std::abs(axis.multiplier) * half[axis.coordinate];
+    reach_[k] = !axis.turns ? 1 : std::min(length_[k], at_.columns.col(k).norm() + carried);
+    if (terms_.in_tip_frame()) reach_[k] = length_[k];
+    carried += radius_[k] * reach_[k];
   }
 }
 
@@ -148,12 +146,8 @@ Eigen::Vector3d BoxBound::first(std::size_t motion, std::size_t column) const {
 
 /// @pre i <= j
 Eigen::Vector3d BoxBound::second(std::size_t i, std::size_t j, std::size_t column) const {
-  const auto z = [&](std::size_t k) -> Eigen::Vector3d {
-    return at_.turning.col(static_cast<Eigen::Index>(k));
-  };
-  const auto v = [&](std::size_t k) -> Eigen::Vector3d {
-    return at_.columns.col(static_cast<Eigen::Index>(k));
-  };
+  const auto z = [&](std::size_t k) -> Eigen::Vector3d { return at_.turning.col(k); };
+  const auto v = [&](std::size_t k) -> Eigen::Vector3d { return at_.columns.col(k); };
   if (terms_.in_tip_frame()) {  // [[twist_k, twist_i], twist_j]
     if (column >= i) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d turning = z(column).cross(z(i)),
@@ -178,15 +172,14 @@ double BoxBound::remainder(int order, const Eigen::VectorXd& magnitudes) const {
 double BoxBound::remainder_in_base(int order, const Eigen::VectorXd& magnitudes) const {
   double sum = 0, motions = 0, columns = 0;  // of the axes before m that turn
   for (std::size_t m = 0; m < count_; ++m) {
-    const auto i = static_cast<Eigen::Index>(m);
     if (terms_.axes()[m].turns) {
-      const double with = motions + radius_[i], all = columns + magnitudes[i];
-      sum += reach_[i] * (std::pow(with, order) * all - std::pow(motions, order) * columns);
+      const double with = motions + radius_[m], all = columns + magnitudes[m];
+      sum += reach_[m] * (std::pow(with, order) * all - std::pow(motions, order) * columns);
       motions = with;
       columns = all;
     } else {
-      sum += std::pow(motions, order) * magnitudes[i] +
-             order * radius_[i] * std::pow(motions, order - 1) * columns;
+      sum += std::pow(motions, order) * magnitudes[m] +
+             order * radius_[m] * std::pow(motions, order - 1) * columns;
     }
   }
   return sum;
@@ -197,24 +190,22 @@ double BoxBound::remainder_in_base(int order, const Eigen::VectorXd& magnitudes)
 double BoxBound::remainder_in_tip(int order, const Eigen::VectorXd& magnitudes) const {
   double sum = 0, turning = 0, sliding = 0;  // of the axes beyond k
   for (std::size_t m = count_; m-- > 0;) {
-    const auto i = static_cast<Eigen::Index>(m);
     const bool turns = terms_.axes()[m].turns;
-    sum += magnitudes[i] * (length_[i] * std::pow(turning, order) +
+    sum += magnitudes[m] * (length_[m] * std::pow(turning, order) +
                             (turns ? order * std::pow(turning, order - 1) * sliding : 0));
-    (turns ? turning : sliding) += radius_[i];
+    (turns ? turning : sliding) += radius_[m];
   }
   return sum;
 }
 
 void BoxBound::set_first(const Eigen::VectorXd& half) {
   for (std::size_t j = 0; j < joints_; ++j)
-    if (half[static_cast<Eigen::Index>(j)] > 0) derivative_[j].setZero();
+    if (half[j] > 0) derivative_[j].setZero();
   for (const std::size_t i : movers_) {
     const TermAxis& axis = terms_.axes()[i];
     if (!(half[axis.coordinate] > 0)) continue;
-    Columns& of_joint = derivative_[static_cast<std::size_t>(axis.coordinate)];
-    for (std::size_t k = 0; k < count_; ++k)
-      of_joint.col(static_cast<Eigen::Index>(k)) += axis.multiplier * first(i, k);
+    Columns& of_joint = derivative_[axis.coordinate];
+    for (std::size_t k = 0; k < count_; ++k) of_joint.col(k) += axis.multiplier * first(i, k);
   }
 }
 
@@ -235,7 +226,7 @@ double BoxBound::chords(const Eigen::VectorXd& half, Columns& slopes, Eigen::Vec
     for (Eigen::Index row = from; row < to; ++row) {
       double width = curved;
       for (std::size_t j = 0; j < joints_; ++j) {
-        const double side = half[static_cast<Eigen::Index>(j)];
+        const double side = half[j];
         if (side > 0) width += side * std::abs(derivative_[j].row(row).dot(part.weights));
       }
       const double low = std::max(value[row] - width, -most), high = std::min(value[row] + width, most);
@@ -248,9 +239,9 @@ double BoxBound::chords(const Eigen::VectorXd& half, Columns& slopes, Eigen::Vec
       const double bent = terms_.sigma() ? factor * (high - low) : low < 0 && high > 0 ? factor : 0;
       if (!(bent > 0)) continue;
       for (std::size_t j = 0; j < joints_; ++j) {
-        const double side = half[static_cast<Eigen::Index>(j)];
+        const double side = half[j];
         if (side > 0)
-          blame[static_cast<Eigen::Index>(j)] +=
+          blame[j] +=
               bent * side * (std::abs(derivative_[j].row(row).dot(part.weights)) + curved / radius_.sum());
       }
     }
@@ -263,7 +254,7 @@ double BoxBound::combined(const Eigen::VectorXd& half, const Columns& slopes, Ei
   const auto n = static_cast<Eigen::Index>(joints_);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
   for (Eigen::Index j = 0; j < n; ++j)
-    if (half[j] > 0) gradient[j] = derivative_[static_cast<std::size_t>(j)].cwiseProduct(slopes).sum();
+    if (half[j] > 0) gradient[j] = derivative_[j].cwiseProduct(slopes).sum();
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t a = 0; a < movers_.size(); ++a) {
     const TermAxis& inner = terms_.axes()[movers_[a]];
@@ -273,7 +264,7 @@ double BoxBound::combined(const Eigen::VectorXd& half, const Columns& slopes, Ei
       if (!(half[outer.coordinate] > 0)) continue;
       double entry = 0;
       for (std::size_t k = 0; k < count_; ++k) {
-        const Eigen::Vector3d slope = slopes.col(static_cast<Eigen::Index>(k));
+        const Eigen::Vector3d slope = slopes.col(k);
         if (slope != Eigen::Vector3d::Zero()) entry += slope.dot(second(movers_[a], movers_[b], k));
       }
       entry *= inner.multiplier * outer.multiplier;
@@ -303,8 +294,8 @@ BoxBound::Result BoxBound::operator()(const Eigen::VectorXd& center, const Eigen
   at_ = terms_.columns(center);
   set_reach(half);
   set_first(half);
-  Columns slopes = Columns::Zero(3, static_cast<Eigen::Index>(count_));
-  Eigen::VectorXd blame = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints_));
+  Columns slopes = Columns::Zero(3, count_);
+  Eigen::VectorXd blame = Eigen::VectorXd::Zero(joints_);
   double plain = 0;
   const double constant = chords(half, slopes, blame, plain);
   const double linear = constant + at_.columns.cwiseProduct(slopes).sum() + combined(half, slopes, blame);
@@ -339,15 +330,13 @@ class BoxSearch {
       : bound_(terms, ranges), ranges_(ranges), enough_(std::max(enough, 8 * bound_.rounding())) {}
 
   SearchedMaximum run(std::size_t boxes) {
-    const auto n = static_cast<Eigen::Index>(ranges_.size());
+    const auto n = std::ssize(ranges_);
     Eigen::VectorXd center(n), half(n);
     for (Eigen::Index j = 0; j < n; ++j) {
-      const Limits& range = ranges_[static_cast<std::size_t>(j)];
+      const Limits& range = ranges_[j];
       center[j] = 0.5 * (range.lower + range.upper);
       // Half of the range rounded up: center and half width contain both ends.
-      half[j] = bound_.matters(static_cast<std::size_t>(j))
-                    ? std::max(range.upper - center[j], center[j] - range.lower) * widened
-                    : 0;
+      half[j] = bound_.matters(j) ? std::max(range.upper - center[j], center[j] - range.lower) * widened : 0;
     }
     add(center, half);
     for (std::size_t done = 1; !open_.empty() && done < boxes; done += 2) {
@@ -416,7 +405,7 @@ SearchedMaximum branch_and_bound(const ErrorTerms& terms, const std::vector<Limi
   const std::vector<Limits> all = with_base(ranges);
   const ErrorTerms along_x = terms.along_any_direction(ranges.size());
   SearchedMaximum found = BoxSearch(along_x, all, enough).run(boxes);
-  found.at.conservativeResize(static_cast<Eigen::Index>(ranges.size()));
+  found.at.conservativeResize(std::ssize(ranges));
   return found;
 }
 

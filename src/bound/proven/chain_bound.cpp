@@ -17,12 +17,12 @@ Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis) {
 void add_error(ChainForm& form, const OperationalModel& model, const IndependentError& error) {
   const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);
   DirectedError e;
-  e.of_joints.resize(static_cast<Eigen::Index>(form.size()));
+  e.of_joints.resize(std::ssize(form));
   e.first = e.of_joints.size();
   double scale = 0;
   for (Eigen::Index k = 0; k < e.of_joints.size(); ++k) {
-    const ChainJoint& joint = model.chain.joints[static_cast<std::size_t>(k)];
-    e.of_joints[k] = joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    const ChainJoint& joint = model.chain.joints[k];
+    e.of_joints[k] = joint.multiplier * of_independent[joint.coordinate];
     if (e.of_joints[k] == 0) continue;
     if (scale == 0) scale = e.of_joints[k], e.first = k;
     e.last = k;
@@ -280,9 +280,8 @@ double with_constants(const OperationalModel& model, const ChainForm& form, Coor
       const bool part =
           own == c || (is_length(c) && !is_euler_angle(own) && is_position(own) == (c == Coordinate::xyz));
       if (!part) continue;
-      const auto row = static_cast<Eigen::Index>(i);
-      squares += tip.peak[row] * tip.peak[row];
-      variance += tip.covariance(row, row);
+      squares += tip.peak[i] * tip.peak[i];
+      variance += tip.covariance(i, i);
     }
     width += std::sqrt(squares);
   }
@@ -341,9 +340,8 @@ double split_masters(const OperationalModel& model, const std::vector<Limits>& r
     const Part part = open.top();
     open.pop();
     const auto width = [&](std::size_t d) { return part.ranges[d].upper - part.ranges[d].lower; };
-    const std::size_t widest =
-        *std::max_element(dependent.begin(), dependent.end(),
-                          [&](std::size_t a, std::size_t b) { return width(a) < width(b); });
+    const std::size_t widest = *std::ranges::max_element(
+        dependent, [&](std::size_t a, std::size_t b) { return width(a) < width(b); });
     for (const bool first : {true, false}) {
       Part half = part;
       const double middle = 0.5 * (part.ranges[widest].lower + part.ranges[widest].upper);

@@ -29,7 +29,7 @@ class ConeRecursion {
   double along(const Eigen::Vector3d& u) const;
 
  private:
-  std::size_t slice() const { return static_cast<std::size_t>(nodes_ * nodes_); }
+  std::size_t slice() const { return nodes_ * nodes_; }
   void fill(std::size_t k, const DirectionFrame& at, float* values) const;
   void at_tip(std::size_t k, const DirectionFrame& at, float* values) const;
   void step(const LocalError& e, const DirectionFrame& at, double scale, ConeSum sum, float* values,

@@ -86,14 +86,13 @@ void ErrorTerms::add_term(const Eigen::VectorXd& weights, double half_width, dou
 }
 
 void ErrorTerms::add_terms(const OperationalModel& model, bool rotation) {
-  const auto axes = static_cast<Eigen::Index>(axes_.size());
+  const auto axes = std::ssize(axes_);
   const auto of_joints = [&](const Eigen::VectorXd& independent) {
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(axes);
     for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
       const ChainJoint& joint = model.chain.joints[k];
       if (rotation && joint.prismatic) continue;
-      weights[static_cast<Eigen::Index>(column_of_joint_[k])] +=
-          sign_of_joint_[k] * joint.multiplier * independent[static_cast<Eigen::Index>(joint.coordinate)];
+      weights[column_of_joint_[k]] += sign_of_joint_[k] * joint.multiplier * independent[joint.coordinate];
     }
     return weights;
   };
@@ -108,8 +107,7 @@ void ErrorTerms::add_terms(const OperationalModel& model, bool rotation) {
     if (length_ && !sigma_)
       added_ += std::abs(e.mean) + e.half_width;
     else
-      add_term(Eigen::VectorXd::Unit(axes, static_cast<Eigen::Index>(axis_of_error_[i])), e.half_width,
-               e.mean, e.sigma);
+      add_term(Eigen::VectorXd::Unit(axes, axis_of_error_[i]), e.half_width, e.mean, e.sigma);
   }
 }
 
@@ -122,9 +120,8 @@ void ErrorTerms::add_along_motion(const OperationalModel& model, Coordinate c) {
                                     is_rotation_vector(other) == is_rotation_vector(first_component(c))
                               : other == c;
     if (!part) continue;
-    const auto row = static_cast<Eigen::Index>(i);
-    peak = std::hypot(peak, tip.peak[row]);
-    variance += tip.covariance(row, row);
+    peak = std::hypot(peak, tip.peak[i]);
+    variance += tip.covariance(i, i);
   }
   added_ = sigma_ ? std::sqrt(variance) : added_ + peak;
 }
@@ -139,17 +136,17 @@ std::vector<std::size_t> ErrorTerms::moved_by(std::size_t joint) const {
 
 double ErrorTerms::largest_motion(const TermAxis& axis, const std::vector<Limits>& ranges) const {
   if (axis.coordinate < 0) return std::abs(axis.offset);
-  const Limits& range = ranges[static_cast<std::size_t>(axis.coordinate)];
+  const Limits& range = ranges[axis.coordinate];
   return std::abs(axis.multiplier) * std::max(std::abs(range.lower), std::abs(range.upper)) +
          std::abs(axis.offset);
 }
 
 Eigen::VectorXd ErrorTerms::longest_columns(const std::vector<Limits>& ranges) const {
-  Eigen::VectorXd longest(static_cast<Eigen::Index>(axes_.size()));
+  Eigen::VectorXd longest(std::ssize(axes_));
   double beyond = tip_.translation().norm();
   for (std::size_t k = axes_.size(); k-- > 0;) {
     const TermAxis& axis = axes_[k];
-    longest[static_cast<Eigen::Index>(k)] = axis.turns ? beyond : 1;
+    longest[k] = axis.turns ? beyond : 1;
     if (!axis.turns && axis.coordinate >= 0) beyond += largest_motion(axis, ranges);
     beyond += axis.before.translation().norm();
   }
@@ -174,15 +171,13 @@ ErrorTerms ErrorTerms::along_any_direction(std::size_t joints) const {
 }
 
 TermColumns ErrorTerms::columns(const Eigen::VectorXd& q) const {
-  const auto count = static_cast<Eigen::Index>(axes_.size());
+  const auto count = std::ssize(axes_);
   TermColumns c{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd::Zero(3, count)};
   Eigen::Matrix3Xd origins(3, count);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   for (Eigen::Index k = 0; k < count; ++k) {
-    const TermAxis& axis = axes_[static_cast<std::size_t>(k)];
-    const double motion =
-        axis.offset +
-        (axis.coordinate < 0 ? 0 : axis.multiplier * q[static_cast<Eigen::Index>(axis.coordinate)]);
+    const TermAxis& axis = axes_[k];
+    const double motion = axis.offset + (axis.coordinate < 0 ? 0 : axis.multiplier * q[axis.coordinate]);
     pose = pose * axis.before;
     origins.col(k) = pose.translation();
     c.columns.col(k) = pose.linear() * axis.axis;
@@ -193,7 +188,7 @@ TermColumns ErrorTerms::columns(const Eigen::VectorXd& q) const {
   }
   pose = pose * tip_;
   for (Eigen::Index k = 0; k < count; ++k) {
-    if (!axes_[static_cast<std::size_t>(k)].turns) continue;
+    if (!axes_[k].turns) continue;
     c.turning.col(k) = c.columns.col(k);
     c.columns.col(k) = c.turning.col(k).cross(pose.translation() - origins.col(k));
   }
@@ -205,9 +200,8 @@ TermColumns ErrorTerms::columns(const Eigen::VectorXd& q) const {
 }
 
 Eigen::Matrix3Xd ErrorTerms::vectors(const TermColumns& c) const {
-  Eigen::Matrix3Xd v(3, static_cast<Eigen::Index>(terms_.size()));
-  for (std::size_t g = 0; g < terms_.size(); ++g)
-    v.col(static_cast<Eigen::Index>(g)) = c.columns * terms_[g].weights;
+  Eigen::Matrix3Xd v(3, std::ssize(terms_));
+  for (std::size_t g = 0; g < terms_.size(); ++g) v.col(g) = c.columns * terms_[g].weights;
   return v;
 }
 
@@ -215,7 +209,7 @@ double ErrorTerms::value(const Eigen::Matrix3Xd& v) const {
   double sum = 0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (Eigen::Index g = 0; g < v.cols(); ++g) {
-    const ErrorTerm& term = terms_[static_cast<std::size_t>(g)];
+    const ErrorTerm& term = terms_[g];
     mean += term.mean * v.col(g);
     if (sigma_)
       sum += term.sigma * term.sigma * (length_ ? v.col(g).squaredNorm() : v(row_, g) * v(row_, g));
@@ -225,8 +219,7 @@ double ErrorTerms::value(const Eigen::Matrix3Xd& v) const {
   if (sigma_) return std::sqrt(sum + added_ * added_);
   if (!length_) return sum + std::abs(mean[row_]) + added_;
   Eigen::Matrix3Xd corners = v;
-  for (Eigen::Index g = 0; g < v.cols(); ++g)
-    corners.col(g) *= terms_[static_cast<std::size_t>(g)].half_width;
+  for (Eigen::Index g = 0; g < v.cols(); ++g) corners.col(g) *= terms_[g].half_width;
   return largest_corner(mean, corners) + added_;
 }
 

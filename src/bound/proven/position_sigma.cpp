@@ -192,8 +192,7 @@ void TipRecursion::add_forms() {
     double whole = 0;
     const bool near = e.last - e.first <= 1;
     const auto share = [&](Eigen::Index k) {
-      const double reach =
-          form_.steps[static_cast<std::size_t>(k)].prismatic ? 1 : reaches_[static_cast<std::size_t>(k) + 1];
+      const double reach = form_.steps[k].prismatic ? 1 : reaches_[static_cast<std::size_t>(k) + 1];
       return std::abs(e.of_joints[k]) * std::max(reach, 1e-3 * reaches_[0]);
     };
     for (Eigen::Index k = e.first; k <= e.last; ++k) whole += share(k);

@@ -178,8 +178,7 @@ void PositionRecursion::add_terms(std::size_t k, std::size_t row, float* values)
   const double rounding = float_rounding * 2 * (m * (l.pre_reach + beyond) + l.size);
   const double between = l.arc.intervals > 0 ? (1 - std::cos(l.arc.spacing / 2)) * (1 + 1e-9) : 0;
   for (int a = 0; a < l.disc.nodes; ++a)
-    for (int b = l.disc.begin[static_cast<std::size_t>(a)]; b < l.disc.end[static_cast<std::size_t>(a)];
-         ++b) {
+    for (int b = l.disc.begin[a]; b < l.disc.end[a]; ++b) {
       double added =
           rounding + between * (std::hypot(cosine * l.disc.at(a), l.disc.at(b)) * reach_[k] + sine * l.size);
       if (joint.prismatic) {

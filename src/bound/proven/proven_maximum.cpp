@@ -27,7 +27,7 @@ constexpr double unbounded = std::numeric_limits<double>::infinity();
 Limits bounded_range(const Chain& chain, std::size_t joint, const Limits& range) {
   constexpr double pi = std::numbers::pi;
   if (range.upper - range.lower <= 2 * pi) return range;
-  const bool periodic = std::all_of(chain.joints.begin(), chain.joints.end(), [&](const ChainJoint& j) {
+  const bool periodic = std::ranges::all_of(chain.joints, [&](const ChainJoint& j) {
     return j.coordinate != joint || (!j.prismatic && j.multiplier == std::round(j.multiplier));
   });
   if (periodic) {
@@ -50,7 +50,7 @@ Proportional proportional(const OperationalModel& model, const std::vector<Norms
   if (figure.bound == Bound::worst_case_rigorous) figure.bound = Bound::worst_case;
   const bool ideal = model.sources.empty() && !model.along_motion;
   if (figure.filter < 0 || !ideal || figure.bound == Bound::sigma_in_motion) return {figure};
-  const Norms& norms = filters[static_cast<std::size_t>(figure.filter)];
+  const Norms& norms = filters[figure.filter];
   const Figure of_position{figure.signal, -1, figure.bound};
   if (figure.bound == Bound::sigma)
     return {of_position, norms.h2, norms.h2 > 0 ? norms.h2_error / norms.h2 : 0};
@@ -71,7 +71,7 @@ LargestRemainder largest_remainder(const OperationalModel& model, const ErrorTer
   double sum = r.position;
   Eigen::Index joint = 0;
   for (std::size_t k = 0; k < terms.axes().size(); ++k)
-    if (terms.axes()[k].of_joint) sum += longest[static_cast<Eigen::Index>(k)] * r.per_column[joint++];
+    if (terms.axes()[k].of_joint) sum += longest[k] * r.per_column[joint++];
   return {sum * (1 + 64 * machine_epsilon), unbounded};
 }
 
@@ -91,7 +91,7 @@ Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorX
             there[j] = at;
             return f(there);
           },
-          ranges[static_cast<std::size_t>(j)], 32);
+          ranges[j], 32);
       if (f(moved) > f(q)) q = moved;
     }
   }
@@ -151,7 +151,7 @@ class Proof {
     double errors = 0, length = 1 + model_.chain.tip_offset.translation().norm();
     for (const ChainJoint& joint : model_.chain.joints) {
       const Limits& range = ranges_[joint.coordinate];
-      errors += std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
+      errors += std::abs(joint.multiplier) * largest[joint.coordinate];
       length += joint.origin.translation().norm();
       if (joint.prismatic)
         length += std::abs(joint.offset) +
@@ -190,8 +190,7 @@ class Proof {
       return {only, only * (1 + 4 * machine_epsilon), starts.front()};
     }
     std::vector<Eigen::VectorXd> best = starts;
-    std::stable_sort(best.begin(), best.end(),
-                     [&](const auto& a, const auto& b) { return value(a) > value(b); });
+    std::ranges::stable_sort(best, [&](const auto& a, const auto& b) { return value(a) > value(b); });
     best.resize(std::min(best.size(), few));
     result_.lower = -1;
     for (const Eigen::VectorXd& start : best) {
@@ -248,7 +247,7 @@ std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const 
     ranges.push_back(bounded_range(model.chain, j, given_ranges[j]));
   std::vector<Figure> jobs;  // without duplicates
   for (const Figure& figure : figures) jobs.push_back(proportional(model, filters, figure).figure);
-  std::sort(jobs.begin(), jobs.end());
+  std::ranges::sort(jobs);
   jobs.erase(std::unique(jobs.begin(), jobs.end()), jobs.end());
   std::vector<OperationalModel> models;
   for (const Figure& job : jobs) models.push_back(figure_model(model, filters, options.noise_in_motion, job));
@@ -279,8 +278,7 @@ std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const 
   std::vector<ProvenMaximum> results;
   for (const Figure& figure : figures) {
     const Proportional of = proportional(model, filters, figure);
-    ProvenMaximum result = proven[static_cast<std::size_t>(
-        std::lower_bound(jobs.begin(), jobs.end(), of.figure) - jobs.begin())];
+    ProvenMaximum result = proven[std::ranges::lower_bound(jobs, of.figure) - jobs.begin()];
     if (figure.bound == Bound::worst_case_rigorous) {
       const Signal signal = all_signals(model)[figure.signal];
       if (signal.kind) {

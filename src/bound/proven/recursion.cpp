@@ -115,7 +115,7 @@ std::array<DirectionFrame, 3> on_triangle(const DirectionGrid& g, const Eigen::V
   for (std::size_t i = 0; i < 3; ++i) {
     s.vertices[i].row = c.nodes[i].first;
     s.vertices[i].column = c.nodes[i].second;
-    s.vertices[i].weight = std::max(0.0, c.weights[static_cast<Eigen::Index>(i)]);
+    s.vertices[i].weight = std::max(0.0, c.weights[i]);
   }
   return c.frames;
 }

@@ -130,7 +130,7 @@ struct MomentDisc {
   double at(int node) const { return (node - 0.5 * (nodes - 1)) * step; }
   /// Largest |m| of the nodes of cells that meet the disc.
   double reach() const { return radius + std::sqrt(2.0) * step; }
-  std::size_t size() const { return static_cast<std::size_t>(nodes * nodes); }
+  std::size_t size() const { return nodes * nodes; }
   SliceNodes view() const { return {nodes, begin.data(), end.data()}; }
 };
 

@@ -34,13 +34,13 @@ using ErrorsOfFrames = std::vector<std::vector<AxisError>>;
 ErrorsOfFrames errors_of_frames(const ChainForm& form, const std::vector<double>* distant_signs) {
   ErrorsOfFrames frames(form.size() + 1);
   std::size_t distant = 0;
-  const auto angular = [&](Eigen::Index k) { return !form.steps[static_cast<std::size_t>(k)].prismatic; };
+  const auto angular = [&](Eigen::Index k) { return !form.steps[k].prismatic; };
   for (const DirectedError& e : form.errors) {
     if (e.last - e.first <= 1) {
       AxisError sum{Eigen::Vector3d::Zero(), e.half_width, e.mean, e.variance};
       if (angular(e.first)) sum.direction += e.of_joints[e.first] * Eigen::Vector3d::UnitZ();
       if (e.last > e.first && angular(e.last))
-        sum.direction += e.of_joints[e.last] * form.steps[static_cast<std::size_t>(e.last)].rotation.col(2);
+        sum.direction += e.of_joints[e.last] * form.steps[e.last].rotation.col(2);
       frames[static_cast<std::size_t>(e.first) + 1].push_back(sum);
       continue;
     }

@@ -185,7 +185,7 @@ void LeverRecursion::fill(std::size_t k, const DirectionFrame& at, float* values
 void LeverRecursion::finish(std::size_t k, const DirectionFrame& at, double polar, float* values) const {
   const MomentDisc& disc = levels_[k].disc;
   for (int a = 0; a < disc.nodes; ++a)
-    for (int b = disc.begin[static_cast<std::size_t>(a)]; b < disc.end[static_cast<std::size_t>(a)]; ++b) {
+    for (int b = disc.begin[a]; b < disc.end[a]; ++b) {
       const Eigen::Vector2d lever(disc.at(a), disc.at(b));
       float& value = values[a * disc.nodes + b];
       value = static_cast<float>(with_own(k, at, lever, value + allowance(k, polar, lever)));

@@ -23,7 +23,7 @@ std::vector<Signal> loop_signals(const OperationalModel& m, const std::string& b
 }
 
 Eigen::RowVectorXd joint_row(const OperationalModel& m, std::size_t index, const Eigen::VectorXd& q) {
-  return Eigen::RowVectorXd::Unit(q.size(), static_cast<Eigen::Index>(looped_joints(m)[index]));
+  return Eigen::RowVectorXd::Unit(q.size(), looped_joints(m)[index]);
 }
 
 SignalNorms norms_in_loops(const OperationalModel&, const Eigen::RowVectorXd& row,

@@ -9,8 +9,8 @@ namespace {
 std::vector<Signal> of_joints(const OperationalModel& model) {
   std::vector<Signal> signals;
   for (const IndependentJoint& joint : model.chain.independent)
-    signals.push_back({(find_coordinate(joint.name) || joint.name == "joints" ? "joint:" : "") + joint.name,
-                       joint.prismatic() ? "m" : "rad"});
+    signals.push_back(
+        {(find_coordinate(joint.name) || joint.name == "joints" ? "joint:" : "") + joint.name, joint.unit()});
   return signals;
 }
 
@@ -24,8 +24,7 @@ SignalKind joint_signal() {
       .signals = of_joints,
       .row =
           [](const OperationalModel& model, std::size_t index, const Eigen::VectorXd&) {
-            return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(
-                static_cast<Eigen::Index>(model.chain.independent.size()), static_cast<Eigen::Index>(index)));
+            return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(std::ssize(model.chain.independent), index));
           },
       .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
                       const Eigen::VectorXd&) { return 0.0; },

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "control/loop_response.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/signal.hpp"
 
@@ -13,6 +15,22 @@ namespace qerr {
 #undef QERR_SIGNAL
 
 /// What the signals of closed loops share.
+
+/// The loops at one configuration of a batch. Borrows the batch.
+struct LoopsAt {
+  LoopsOfBatch* batch;
+  Eigen::Index configuration;
+  /// [joint]: what a slow error passes in place of the l1 norms, NaN where that is not known; null: the
+  /// norms.
+  const std::vector<LoopRatio>* slow = nullptr;
+
+  LoopNorms norms(std::size_t joint) const {
+    if (slow && joint < slow->size() && !std::isnan((*slow)[joint].motion))
+      return {{(*slow)[joint].motion}, {(*slow)[joint].torque}};
+    return batch->norms(joint, configuration);
+  }
+  const LoopResponse& response(std::size_t joint) const { return batch->response(joint, configuration); }
+};
 
 /// Indices of the independent joints whose loop can be closed; none without `control`.
 std::vector<std::size_t> looped_joints(const OperationalModel&);

@@ -13,7 +13,7 @@ std::vector<Signal> torques(const OperationalModel& m) {
   std::vector<Signal> signals;
   if (!m.control || !m.control->tip) return signals;
   for (const IndependentJoint& joint : m.chain.independent)
-    signals.push_back({"torque." + joint.name, joint.prismatic() ? "N" : "N m"});
+    signals.push_back({"torque." + joint.name, joint.effort_unit()});
   return signals;
 }
 
@@ -23,7 +23,7 @@ SignalNorms norms_at(const OperationalModel& m, std::size_t index, const Eigen::
                      const Eigen::MatrixXd& moved, const LoopsAt&) {
   const TipImpedance& tip = *m.control->tip;
   const Eigen::MatrixXd rows = jacobian(m.chain, q).topRows<3>();
-  const Eigen::RowVectorXd own = rows.col(static_cast<Eigen::Index>(index)).transpose();
+  const Eigen::RowVectorXd own = rows.col(index).transpose();
   const Eigen::RowVectorXd k = own * tip.stiffness.asDiagonal() * rows * moved,
                            d = own * tip.damping.asDiagonal() * rows * moved;
   SignalNorms n{k, k, k + d * tip.velocity_sums.dc};
@@ -38,17 +38,16 @@ SignalNorms norms_at(const OperationalModel& m, std::size_t index, const Eigen::
 
 /// The torque of each joint due to errors, of an impedance at the tip, at a constant Jacobian.
 SignalKind tip_torque_signal() {
-  return {
-      .group = "torque",
-      .summary = "torque of each joint by the impedance at the tip of `control:`, torque.JOINT",
-      .signals = torques,
-      .row =
-          [](const OperationalModel&, std::size_t index, const Eigen::VectorXd& q) {
-            return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(q.size(), static_cast<Eigen::Index>(index)));
-          },
-      .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
-                      const Eigen::VectorXd&) { return std::numeric_limits<double>::infinity(); },
-      .norms = norms_at};
+  return {.group = "torque",
+          .summary = "torque of each joint by the impedance at the tip of `control:`, torque.JOINT",
+          .signals = torques,
+          .row =
+              [](const OperationalModel&, std::size_t index, const Eigen::VectorXd& q) {
+                return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(q.size(), index));
+              },
+          .remainder = [](const OperationalModel&, std::size_t, const Eigen::VectorXd&,
+                          const Eigen::VectorXd&) { return std::numeric_limits<double>::infinity(); },
+          .norms = norms_at};
 }
 
 }  // namespace qerr

@@ -33,8 +33,6 @@ struct Page {
   std::vector<Block> blocks;
 };
 
-Page overview_page();
-
 /// The topics, sorted by name. To add one: a file in src/cli/topics.
 const std::vector<Page>& topics();
 

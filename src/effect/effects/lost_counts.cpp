@@ -97,7 +97,7 @@ std::vector<double> speeds_of_loss(const RecordSignals& s) {
   const LossScan scan(s);
   for (const Eigen::Index beside : {1, 4})
     if (const auto speed = scan.best(beside)) speeds.push_back(*speed);
-  std::sort(speeds.begin(), speeds.end());
+  std::ranges::sort(speeds);
   speeds.erase(std::unique(speeds.begin(), speeds.end()), speeds.end());
   return speeds;
 }

@@ -108,7 +108,7 @@ Eigen::VectorXd limited(Eigen::VectorXd p) {
 void fill(Effect& e, const Eigen::VectorXd& values) {
   const Eigen::VectorXd p = limited(values);
   e.numbers["clipping"] = 1;
-  for (Eigen::Index i = 0; i < p.size(); ++i) e.numbers[coefficients[static_cast<std::size_t>(i)]] = p[i];
+  for (Eigen::Index i = 0; i < p.size(); ++i) e.numbers[coefficients[i]] = p[i];
 }
 
 /// The term linearized about parameters.
@@ -127,7 +127,7 @@ Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& va
     const std::array<double, 5> gradient = distortion.gradient(sine, cosine);
     double linear = 0;
     for (Eigen::Index i = 0; i < p.size(); ++i) {
-      next.columns(row, i) = unit * gradient[static_cast<std::size_t>(i)];
+      next.columns(row, i) = unit * gradient[i];
       linear += next.columns(row, i) * p[i];
     }
     if (next.fixed.size() > 0) next.fixed[row] = unit * distortion.at(sine, cosine) - linear;

@@ -93,10 +93,9 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
     }
   }
   const auto slower = [](const Factor& x, const Factor& y) { return magnitude(x.u) < magnitude(y.u); };
-  std::stable_sort(real.begin(), real.end(), slower);
+  std::ranges::stable_sort(real, slower);
   for (std::size_t i = 0; i + 1 < real.size(); i += 2) pairs.push_back({real[i], real[i + 1]});
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [&](const auto& x, const auto& y) { return slower(x[0], y[0]); });
+  std::ranges::stable_sort(pairs, [&](const auto& x, const auto& y) { return slower(x[0], y[0]); });
   std::vector<Polynomial> result;
   for (const auto& [x, y] : pairs) {
     result.push_back({(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re});
@@ -107,7 +106,7 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
 
 /// Divides by the lowest coefficient that is not 0: the gain is in Filter::gain alone.
 std::array<DoubleDouble, 3> scaled(const Polynomial& p) {
-  const auto lowest = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
+  const auto lowest = std::ranges::find_if(p, [](const Binary1024& c) { return c != 0; });
   std::array<DoubleDouble, 3> result;
   for (std::size_t i = 0; i < 3; ++i) result[i] = to_double_double(p[i] / *lowest);
   return result;

@@ -79,8 +79,8 @@ std::vector<Quick> first_guess(const std::vector<Binary1024>& descending) {
   for (int i = 0; i < 60; ++i) {
     if (sweep(c, settled, 1e-15L) < 1e-14L) break;
   }
-  const bool finite = std::all_of(settled.begin(), settled.end(),
-                                  [](Quick x) { return std::isfinite(x.real()) && std::isfinite(x.imag()); });
+  const bool finite = std::ranges::all_of(
+      settled, [](Quick x) { return std::isfinite(x.real()) && std::isfinite(x.imag()); });
   return finite ? settled : z;
 }
 
@@ -88,8 +88,8 @@ std::vector<Quick> first_guess(const std::vector<Binary1024>& descending) {
 std::vector<Complex1024> paired(std::vector<Complex1024> z) {
   std::vector<Complex1024> result;
   while (!z.empty()) {
-    const auto top = std::max_element(
-        z.begin(), z.end(), [](const Complex1024& a, const Complex1024& b) { return abs(a.im) < abs(b.im); });
+    const auto top = std::ranges::max_element(
+        z, [](const Complex1024& a, const Complex1024& b) { return abs(a.im) < abs(b.im); });
     const Complex1024 root = *top;
     auto partner = top;
     long double nearest = std::numeric_limits<long double>::infinity();

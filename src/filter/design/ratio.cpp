@@ -17,7 +17,7 @@ PolynomialInW section_polynomial(const std::array<DoubleDouble, 3>& c, std::size
 }
 
 bool vanishes(const PolynomialInW& p) {
-  return std::all_of(p.begin(), p.end(), [](const Binary1024& c) { return c == 0; });
+  return std::ranges::all_of(p, [](const Binary1024& c) { return c == 0; });
 }
 
 }  // namespace
@@ -81,9 +81,9 @@ void remove_rounding(PolynomialInW& p) {
 Factored factored(PolynomialInW p) {
   remove_rounding(p);
   while (p.back() == 0) p.pop_back();
-  const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
-  Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
-  std::reverse(p.begin(), p.end());
+  const auto start = std::ranges::find_if(p, [](const Binary1024& c) { return c != 0; });
+  Factored f{*start, std::vector<LinearFactor>(start - p.begin(), {0.0, 1.0}), {}};
+  std::ranges::reverse(p);
   while (p.back() == 0) p.pop_back();
   f.roots = roots(p);
   for (std::size_t i = 0; i < f.roots.size(); ++i) {

@@ -22,7 +22,7 @@ double l1_bound(const Filter& filter, double lift) {
 /// From a disturbance of section i to the output: `numerator` over the section's denominator, times the
 /// sections after it.
 Filter path(const Filter& filter, std::size_t i, const std::array<DoubleDouble, 3>& numerator) {
-  Filter p{{filter.sections.begin() + static_cast<std::ptrdiff_t>(i), filter.sections.end()}, 1, 1, 0};
+  Filter p{{filter.sections.begin() + i, filter.sections.end()}, 1, 1, 0};
   p.sections.front().b = numerator;
   return p;
 }
@@ -41,8 +41,8 @@ double slow_share(const Section& s) {
 /// The filter with its sections ordered by speed: after differences, low-passes would reduce numbers whose
 /// rounding has been passed on already.
 Filter low_passes_first(Filter filter) {
-  std::stable_sort(filter.sections.begin(), filter.sections.end(),
-                   [](const Section& x, const Section& y) { return slow_share(x) < slow_share(y); });
+  std::ranges::stable_sort(filter.sections,
+                           [](const Section& x, const Section& y) { return slow_share(x) < slow_share(y); });
   return filter;
 }
 

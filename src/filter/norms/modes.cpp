@@ -15,7 +15,7 @@ constexpr double merge_distance = 4e-15;
 /// Adds a pole, or merges it into one of the list. @returns the pole in the list
 ComplexDoubleDouble add_pole(std::vector<Pole>& list, const ComplexDoubleDouble& w) {
   const double limit = merge_distance * std::abs(w.re.hi);
-  const auto near = std::find_if(list.begin(), list.end(), [&](const Pole& p) {
+  const auto near = std::ranges::find_if(list, [&](const Pole& p) {
     return p.real() == (w.im == DoubleDouble(0)) && magnitude(p.w - w) <= limit;
   });
   if (near == list.end()) {
@@ -123,7 +123,7 @@ std::vector<ComplexDoubleDouble> each(const std::vector<Pole>& poles) {
 /// cancellation for slow poles.
 Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pole) {
   const ComplexBall w0 = exact_ball(pole.w), one(1.0);
-  Series series(static_cast<std::size_t>(pole.multiplicity));
+  Series series(pole.multiplicity);
   series[0] = ComplexBall(RealBall(filter.gain));
   // A division after each factor: with slow poles the product of either exceeds the range of double.
   std::vector<ComplexDoubleDouble> divisors = each(all);

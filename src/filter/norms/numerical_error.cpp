@@ -188,8 +188,7 @@ struct SectionRounding {
   double rate, u;
 
   Sections between(std::size_t from, std::size_t to) const {
-    return {sections.begin() + static_cast<std::ptrdiff_t>(from),
-            sections.begin() + static_cast<std::ptrdiff_t>(to)};
+    return {sections.begin() + from, sections.begin() + static_cast<std::ptrdiff_t>(to)};
   }
   double before(std::size_t i, const Numerator& q) const {
     Sections all = between(0, i);

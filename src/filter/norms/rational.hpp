@@ -79,9 +79,9 @@ void scale_variable(std::vector<Ball<T>>& p, int shift) {
 /// @pre degree of b < degree of a
 template <class T>
 std::optional<Ball<T>> integral(std::vector<Ball<T>> a, std::vector<Ball<T>> b) {
-  std::reverse(a.begin(), a.end());
+  std::ranges::reverse(a);
   b.resize(a.size() - 1);
-  std::reverse(b.begin(), b.end());
+  std::ranges::reverse(b);
   Ball<T> total;
   for (std::size_t n = a.size() - 1; n > 0; --n) {
     const Ball<T> alpha = a[0] / a[1], beta = b[0] / a[1];

@@ -233,7 +233,7 @@ double Differences::variation(std::int64_t first, std::int64_t end, std::int64_t
   double change = 0, weight = 1;
   for (int j = 1; j <= taylor_order; ++j) {
     weight *= (radius + j - 1) / j;  // C(radius + j - 1, j), the largest weight on either side
-    const Sequence& d = list_[static_cast<std::size_t>(j)];
+    const Sequence& d = list_[j];
     change += 1.001 * weight * (j < taylor_order ? d.at(middle, powers).largest() : d.bound(first, end - 1));
   }
   return change;

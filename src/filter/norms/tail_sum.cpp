@@ -341,8 +341,8 @@ double drop_decayed(std::vector<Mode>& modes, std::vector<std::int64_t>& ends, s
   for (std::size_t i = modes.size(); i-- > 0;) {
     if (ends[i] > from) continue;
     dropped += tail(modes[i], from);
-    modes.erase(modes.begin() + static_cast<std::ptrdiff_t>(i));
-    ends.erase(ends.begin() + static_cast<std::ptrdiff_t>(i));
+    modes.erase(modes.begin() + i);
+    ends.erase(ends.begin() + i);
   }
   return dropped;
 }
@@ -352,13 +352,13 @@ bool one_resonance(const std::vector<Mode>& modes) {
 }
 
 bool simple(const std::vector<Mode>& modes) {
-  return std::all_of(modes.begin(), modes.end(), [](const Mode& m) { return m.c.size() == 1; });
+  return std::ranges::all_of(modes, [](const Mode& m) { return m.c.size() == 1; });
 }
 
 /// For too many runs: the sum of the slowest mode, if it is a resonance; the others change it by at most
 /// their own sum.
 TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t end, const Sequence& x) {
-  const auto slowest = std::min_element(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) {
+  const auto slowest = std::ranges::min_element(modes, [](const Mode& a, const Mode& b) {
     return one_minus_modulus(a.one_minus_z) < one_minus_modulus(b.one_minus_z);
   });
   if (!one_resonance({*slowest}) || !x.accurate()) return {{}, 0, x.tail(from)};
@@ -387,11 +387,11 @@ TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::
     const Powers powers(modes);
     const Sequence x(modes, powers);
     while (modes.size() == before) {
-      const std::int64_t end = *std::max_element(ends.begin(), ends.end());
+      const std::int64_t end = *std::ranges::max_element(ends);
       std::int64_t until = end;
       if (runs_of(modes, from, end) > many_runs) {
         if (one_resonance(modes)) return r + bounded(modes, from, end, x);
-        until = std::min(end, std::max(*std::min_element(ends.begin(), ends.end()), 2 * from));
+        until = std::min(end, std::max(*std::ranges::min_element(ends), 2 * from));
       }
       const auto count = static_cast<std::int64_t>(modes.size());
       const double by_runs = blocks_per_run * runs_of(modes, from, until) * static_cast<double>(count);
@@ -436,10 +436,9 @@ std::int64_t decimation(const std::vector<Mode>& modes, std::int64_t from, doubl
   };
   std::vector<Ringing> ringing;
   for (const Mode& m : modes) ringing.push_back({m.z, static_cast<double>(end_of(m, from, scale))});
-  const auto slowest = std::max_element(ringing.begin(), ringing.end(),
-                                        [](const Ringing& x, const Ringing& y) { return x.end < y.end; });
-  if (slowest != ringing.end() &&
-      one_resonance({modes[static_cast<std::size_t>(slowest - ringing.begin())]})) {
+  const auto slowest =
+      std::ranges::max_element(ringing, [](const Ringing& x, const Ringing& y) { return x.end < y.end; });
+  if (slowest != ringing.end() && one_resonance({modes[slowest - ringing.begin()]})) {
     // Alone it is summed in closed form: its changes of sign count while there are others.
     slowest->end = 0;
     for (std::size_t i = 0; i < modes.size(); ++i) slowest->end = std::max(slowest->end, ringing[i].end);

@@ -29,7 +29,7 @@ std::string encoders_of(const Spec& spec) {
     const IndependentJoint& joint = spec.model.chain.independent[i];
     const Encoder& encoder = spec.model.transmission.encoders[i];
     const EncoderFigures& figures = spec.encoder_figures[i];
-    const std::string unit = joint.prismatic() ? "m" : "rad";
+    const std::string unit = joint.unit();
     std::string text = readable(encoder.resolution, unit) + " at the joint";
     if (!joint.prismatic() || encoder_kind(figures.kind).counts_per_rev)  // not a linear scale
       text += ", " + significant(figures.counts_per_rev, 7) + " counts a revolution";

@@ -54,8 +54,8 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
                                                  const Workspace& w,
                                                  const std::vector<EffectShare>& effects) {
   std::vector<std::string> warnings;
-  const bool without_sigma = std::any_of(w.derivatives.begin(), w.derivatives.end(),
-                                         [](const auto& row) { return !row.empty() && !row[0].sigma; });
+  const bool without_sigma =
+      std::ranges::any_of(w.derivatives, [](const auto& row) { return !row.empty() && !row[0].sigma; });
   if (without_sigma)
     warnings.push_back(!spec.motion
                            ? "sigma behind a filter is not given: what effects, or errors within an "
@@ -83,7 +83,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
 void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   for (const Requirement& r : spec.requirements) {
     if (r.bound != Bound::sigma_in_motion) continue;
-    if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
+    if (is_known(noise, r.filter)) continue;
     throw requirement_error(r, "the motion has too many samples for sigma_in_motion",
                             "shorten the motion, lower the filter's sample rate, or ask for sigma");
   }
@@ -91,8 +91,7 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
 
 /// The error sources that the figures do not contain.
 std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
-  const bool any = states_accuracy(spec) || std::any_of(effects.begin(), effects.end(),
-                                                        [](const EffectShare& e) { return e.included; });
+  const bool any = states_accuracy(spec) || std::ranges::any_of(effects, &EffectShare::included);
   std::vector<std::string> warnings;
   warnings.emplace_back(!any ? "quantization only: backlash, calibration, compliance and noise are not in "
                                "these figures"
@@ -101,7 +100,7 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
                               "effects add to every configuration what they add along `motion:`"
                             : "quantization and the effects of the spec: nothing else is in these "
                               "figures");
-  const bool random = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) {
+  const bool random = std::ranges::any_of(effects, [](const EffectShare& e) {
     return e.included && effect_kind(e.effect.type).random() && !is_zero(*e.share);
   });
   if (random)
@@ -117,8 +116,8 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
                                      const std::vector<EffectShare>& effects) {
   std::vector<std::string> warnings = spec.warnings;
   const auto& coordinates = spec.model.coordinates;
-  const bool euler = std::any_of(coordinates.begin(), coordinates.end(),
-                                 [](Coordinate c) { return c == Coordinate::roll || c == Coordinate::yaw; });
+  const bool euler = std::ranges::any_of(
+      coordinates, [](Coordinate c) { return c == Coordinate::roll || c == Coordinate::yaw; });
   if (euler && w.smallest_cosine_of_pitch < near_gimbal_lock)
     warnings.push_back(
         "roll and yaw: the samples come within " +
@@ -145,14 +144,8 @@ void add_effects(const EffectReport& effects, Spec& spec) {
   OperationalModel& model = spec.model;
   model.sources = effects.sources;
   model.along_motion = effects.along_motion;
-  if (!effects.in_loops.empty()) {
-    auto control = std::make_shared<Control>(*model.control);
-    control->along_motion = effects.in_loops;
-    model.control = std::move(control);
-  }
   const Eigen::VectorXd factors = count_factors(spec);
-  for (Eigen::Index i = 0; i < factors.size(); ++i)
-    model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
+  for (Eigen::Index i = 0; i < factors.size(); ++i) model.transmission.encoders[i].resolution *= factors[i];
 }
 
 Workspace workspace_with_quantization(const OperationalModel& model, const std::vector<Norms>& filters,
@@ -166,8 +159,7 @@ Workspace workspace_with_quantization(const OperationalModel& model, const std::
   for (IndependentError& source : more.sources) {
     if (source.sigma_ratios.empty())
       for (const Norms& n : filters) source.sigma_ratios.push_back(n.h2);
-    source.sigma_ratios.resize(std::max(source.sigma_ratios.size(), filters.size()), 0);
-    source.sigma_ratios.insert(source.sigma_ratios.begin() + std::ssize(filters), 0);
+    source.sigma_ratios.push_back(0);
   }
   if (more.along_motion) {
     more.along_motion->filtered.push_back(more.along_motion->tip);
@@ -284,12 +276,12 @@ namespace {
 /// @param parts  coordinates x encoders
 std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) {
   const auto& coordinates = a.spec.model.coordinates;
-  const bool positions = std::any_of(coordinates.begin(), coordinates.end(), is_position);
-  std::vector<double> sums(static_cast<std::size_t>(parts.cols()));
+  const bool positions = std::ranges::any_of(coordinates, is_position);
+  std::vector<double> sums(parts.cols());
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     if (is_position(coordinates[i]) != positions) continue;
     for (std::size_t e = 0; e < sums.size(); ++e) {
-      const double part = parts(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(e));
+      const double part = parts(i, e);
       if (std::isfinite(part)) sums[e] += part;
     }
   }

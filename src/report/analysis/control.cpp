@@ -25,7 +25,7 @@ Eigen::MatrixXd first_configurations(const Spec& spec) {
 /// not known without the errors' motion.
 std::optional<std::size_t> limited_torque(const Spec& spec, const Requirement& r) {
   if (!r.limits_error() || r.at_least || r.filter < 0) return std::nullopt;
-  const NamedFilter& f = spec.filters[static_cast<std::size_t>(r.filter)];
+  const NamedFilter& f = spec.filters[r.filter];
   const bool known = r.bound == Bound::worst_case ? !spec.model.along_motion
                                                   : r.bound == Bound::sigma && spec.model.sources.empty();
   if (!f.controller || !known || !(spec.model.control->joints[f.joints.front()].kd > 0)) return std::nullopt;
@@ -38,8 +38,7 @@ std::vector<GainReport> gain_reports(const Spec& spec) {
     const std::optional<std::size_t> joint = limited_torque(spec, r);
     if (!joint) continue;
     const GainReport gain{*joint, largest_kd(spec.model, *joint, r.bound, r.limit), r.quantity};
-    const auto known =
-        std::find_if(gains.begin(), gains.end(), [&](const GainReport& g) { return g.joint == *joint; });
+    const auto known = std::ranges::find_if(gains, [&](const GainReport& g) { return g.joint == *joint; });
     if (known == gains.end())
       gains.push_back(gain);
     else if (gain.kd < known->kd)
@@ -52,8 +51,8 @@ std::vector<GainReport> gain_reports(const Spec& spec) {
 bool is_required(const Spec& spec, std::size_t joint) {
   for (const ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
     if (f.kind != ControlFigure::Kind::wall_stiffness && f.index == joint &&
-        std::any_of(spec.requirements.begin(), spec.requirements.end(),
-                    [&](const Requirement& r) { return r.of_control && r.quantity == f.name; }))
+        std::ranges::any_of(spec.requirements,
+                            [&](const Requirement& r) { return r.of_control && r.quantity == f.name; }))
       return true;
   return false;
 }
@@ -69,7 +68,7 @@ std::string uncounted_readings(const Spec& spec, std::optional<std::size_t> join
     const auto at = static_cast<Eigen::Index>(j);
     const bool alone = (coupling.row(at).array() != 0).count() == 1 &&
                        (coupling.col(at).array() != 0).count() == 1,
-               concerned = !joint || coupling(static_cast<Eigen::Index>(*joint), at) != 0;
+               concerned = !joint || coupling(*joint, at) != 0;
     if (concerned && ((of_walls && r.factor != 1) || (!alone && (r.factor != 1 || r.delay != 0))))
       all.push_back(spec.model.chain.independent[j].name);
   }
@@ -78,6 +77,141 @@ std::string uncounted_readings(const Spec& spec, std::optional<std::size_t> join
 
 constexpr const char* about_uncounted =
     "delayed (latency) or multiplied (scale, decoding), which is not counted there";
+
+/// The value of a figure: infinite if unbounded, NaN for an unstable loop; empty if something is not stated.
+std::optional<double> value_of(const ControlFigure& f, const ControlReport& report) {
+  using Kind = ControlFigure::Kind;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (f.kind == Kind::wall_stiffness)
+    return f.index < report.walls.size() ? std::optional(report.walls[f.index].limit.stiffness())
+                                         : std::nullopt;
+  if (f.kind == Kind::largest_kd) {
+    for (const GainReport& gain : report.gains)
+      if (gain.joint == f.index) return gain.kd;
+    return std::nullopt;
+  }
+  for (const WorstLoop& loop : report.loops) {
+    if (loop.joint != f.index) continue;
+    if (!loop.stable) return f.kind == Kind::limit_cycle ? infinity : unknown_figure;
+    return f.kind == Kind::gain_margin    ? loop.margins.gain
+           : f.kind == Kind::phase_margin ? loop.margins.phase.value_or(infinity)
+           : f.kind == Kind::bandwidth    ? loop.margins.bandwidth.value_or(infinity)
+                                          : loop.cycle.bound;
+  }
+  return std::nullopt;
+}
+
+std::string degrees(const std::optional<double>& angle) {
+  return angle ? significant(*angle * 180 / std::numbers::pi, 3) + " deg" : "-";
+}
+
+std::string hertz(const std::optional<double>& f) { return f ? readable(*f, "Hz") : "-"; }
+
+ControlTable loop_table(const Spec& spec, const ControlReport& report) {
+  TableRows rows{{"", "inertia", "gain margin", "phase margin", "bandwidth", "limit cycle at most",
+                  "predicted on a count", "predicted on an edge", "torque step"}};
+  for (const WorstLoop& l : report.loops) {
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const std::string unit = joint.unit(), torque = joint.effort_unit(),
+                      mass = joint.prismatic() ? "kg" : "kg m^2";
+    std::string inertia = significant(l.least_inertia, 3);
+    if (l.largest_inertia > l.least_inertia * 1.001) inertia += " .. " + significant(l.largest_inertia, 3);
+    if (!l.stable) {
+      rows.push_back(
+          {shown(joint.name), inertia + ' ' + mass, "unstable", "-", "-", "unbounded", "-", "-", "-"});
+      continue;
+    }
+    const LimitCycle& c = l.cycle;
+    rows.push_back({shown(joint.name), inertia + ' ' + mass,
+                    std::isinf(l.margins.gain) ? "inf" : significant(l.margins.gain, 4),
+                    degrees(l.margins.phase), hertz(l.margins.bandwidth), readable(c.bound, unit),
+                    c.on_count ? "yes" : "no",
+                    c.on_edge ? readable(c.edge_amplitude, unit) + " at " + hertz(c.frequency) : "no",
+                    readable(c.torque_step, torque)});
+  }
+  const bool sampled = std::ranges::any_of(
+      report.loops, [](const WorstLoop& l) { return l.largest_inertia > l.least_inertia; });
+  std::vector<std::string> of_play, of_friction;
+  for (const WorstLoop& l : report.loops) {
+    if (!l.stable) continue;
+    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
+    const auto& friction = spec.model.control->joints[l.joint].friction;
+    if (l.cycle.on_edge)
+      of_friction.push_back(shown(joint.name) + ' ' + readable(l.cycle.ending_friction, joint.effort_unit()) +
+                            (!friction                             ? ""
+                             : *friction > l.cycle.ending_friction ? " (less than stated)"
+                                                                   : " (more than stated)"));
+    if (l.cycle.play)
+      of_play.push_back(shown(joint.name) + ' ' + readable(l.cycle.play->amplitude, joint.unit()) + " at " +
+                        hertz(l.cycle.play->frequency));
+  }
+  return {
+      sampled ? "Loops, at the worst inertia between these ends" : "Loops",
+      std::move(rows),
+      {std::string("limit cycle at most: ") +
+       (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
+                : "proven, whatever the motion") +
+       "; predicted: by the describing function of rounding, a first harmonic: short pulses may keep "
+       "alive what it does not predict" +
+       (of_friction.empty() ? ""
+                            : "; Coulomb friction that ends one between two counts: " + joined(of_friction)) +
+       (of_play.empty() ? "" : "; play is predicted to keep alive: " + joined(of_play))}};
+}
+
+ControlTable wall_table(const Spec& spec, const ControlReport& report) {
+  TableRows rows{
+      {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
+  std::vector<std::string> places;
+  for (const WorstWall& w : report.walls) {
+    if (std::isinf(w.limit.stiffness())) {
+      rows.push_back({shown(w.name), "felt by no joint", "-", "-", "-", "-"});
+      continue;
+    }
+    rows.push_back({shown(w.name), readable(w.limit.stiffness(), "N/m"),
+                    w.limit.by_quantization() ? "counts, friction" : "rate, damping",
+                    shown(spec.model.chain.independent[w.limit.joint()].name), readable(w.sampling, "N/m"),
+                    readable(w.quantization, "N/m")});
+    places.push_back(shown(w.name) + ": " +
+                     configuration_text(spec.model.chain, w.at, [](const auto& joint, double value) {
+                       return shown(joint.name) + ' ' + significant(value, 4);
+                     }));
+  }
+  return {"Virtual walls: the least stiffness over the configurations that stays passive",
+          std::move(rows),
+          {(places.empty() ? "" : "least at ") + joined(places, "; "),
+           "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
+           "of the counts"}};
+}
+
+std::string gain_line(const Spec& spec, const ControlReport& report) {
+  if (report.gains.empty()) return "";
+  return "largest kd that meets the requirements, loop open: " +
+         joined(report.gains, "; ", [&](const GainReport& g) {
+           const IndependentJoint& joint = spec.model.chain.independent[g.joint];
+           return shown(joint.name) + ' ' +
+                  (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
+                  " (" + g.quantity + ')';
+         });
+}
+
+ControlTable torque_table(const Spec& spec, const ControlReport& report) {
+  const auto& joints = spec.model.chain.independent;
+  const bool limited =
+      std::ranges::any_of(report.torques, [](const OpenTorque& t) { return t.relative.has_value(); });
+  TableRows rows{{"", "worst case"}};
+  if (limited) rows[0].emplace_back("of the effort limit");
+  rows[0].emplace_back("encoders' parts of it");
+  for (const OpenTorque& t : report.torques) {
+    std::vector<std::string> parts;
+    for (Eigen::Index e = 0; e < t.share.size(); ++e)
+      if (constexpr double shown_from = 0.005; t.share[e] >= shown_from)
+        parts.push_back(shown(joints[e].name) + ' ' + percent(t.share[e]));
+    rows.push_back({shown(joints[t.joint].name), readable(t.worst_case, joints[t.joint].effort_unit())});
+    if (limited) rows.back().push_back(t.relative ? significant(100 * *t.relative, 3) + " %" : "-");
+    rows.back().push_back(joined(parts));
+  }
+  return {"Torques due to errors, the loops open", std::move(rows), {}};
+}
 
 }  // namespace
 
@@ -125,33 +259,6 @@ ControlReport control_report(const Spec& spec, bool required_only) {
 bool any_of_control(const Spec& spec) {
   return std::ranges::any_of(spec.requirements, &Requirement::of_control);
 }
-
-namespace {
-
-/// The value of a figure: infinite if unbounded, NaN for an unstable loop; empty if something is not stated.
-std::optional<double> value_of(const ControlFigure& f, const ControlReport& report) {
-  using Kind = ControlFigure::Kind;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (f.kind == Kind::wall_stiffness)
-    return f.index < report.walls.size() ? std::optional(report.walls[f.index].limit.stiffness())
-                                         : std::nullopt;
-  if (f.kind == Kind::largest_kd) {
-    for (const GainReport& gain : report.gains)
-      if (gain.joint == f.index) return gain.kd;
-    return std::nullopt;
-  }
-  for (const WorstLoop& loop : report.loops) {
-    if (loop.joint != f.index) continue;
-    if (!loop.stable) return f.kind == Kind::limit_cycle ? infinity : unknown_figure;
-    return f.kind == Kind::gain_margin    ? loop.margins.gain
-           : f.kind == Kind::phase_margin ? loop.margins.phase.value_or(infinity)
-           : f.kind == Kind::bandwidth    ? loop.margins.bandwidth.value_or(infinity)
-                                          : loop.cycle.bound;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 double control_value(const Requirement& r, const Spec& spec, const ControlReport& report) {
   using Kind = ControlFigure::Kind;
@@ -228,125 +335,6 @@ std::vector<std::string> control_warnings(const Spec& spec, const ControlReport&
     warnings.push_back("walls: no stiffness is given; state " + missing + " in control.joints");
   return warnings;
 }
-
-namespace {
-
-std::string degrees(const std::optional<double>& angle) {
-  return angle ? significant(*angle * 180 / std::numbers::pi, 3) + " deg" : "-";
-}
-
-std::string hertz(const std::optional<double>& f) { return f ? readable(*f, "Hz") : "-"; }
-
-ControlTable loop_table(const Spec& spec, const ControlReport& report) {
-  TableRows rows{{"", "inertia", "gain margin", "phase margin", "bandwidth", "limit cycle at most",
-                  "predicted on a count", "predicted on an edge", "torque step"}};
-  for (const WorstLoop& l : report.loops) {
-    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
-    const std::string unit = joint.prismatic() ? "m" : "rad", torque = joint.prismatic() ? "N" : "N m",
-                      mass = joint.prismatic() ? "kg" : "kg m^2";
-    std::string inertia = significant(l.least_inertia, 3);
-    if (l.largest_inertia > l.least_inertia * 1.001) inertia += " .. " + significant(l.largest_inertia, 3);
-    if (!l.stable) {
-      rows.push_back(
-          {shown(joint.name), inertia + ' ' + mass, "unstable", "-", "-", "unbounded", "-", "-", "-"});
-      continue;
-    }
-    const LimitCycle& c = l.cycle;
-    rows.push_back({shown(joint.name), inertia + ' ' + mass,
-                    std::isinf(l.margins.gain) ? "inf" : significant(l.margins.gain, 4),
-                    degrees(l.margins.phase), hertz(l.margins.bandwidth), readable(c.bound, unit),
-                    c.on_count ? "yes" : "no",
-                    c.on_edge ? readable(c.edge_amplitude, unit) + " at " + hertz(c.frequency) : "no",
-                    readable(c.torque_step, torque)});
-  }
-  const bool sampled = std::any_of(report.loops.begin(), report.loops.end(),
-                                   [](const WorstLoop& l) { return l.largest_inertia > l.least_inertia; });
-  std::vector<std::string> of_play, of_friction;
-  for (const WorstLoop& l : report.loops) {
-    if (!l.stable) continue;
-    const IndependentJoint& joint = spec.model.chain.independent[l.joint];
-    const auto& friction = spec.model.control->joints[l.joint].friction;
-    if (l.cycle.on_edge)
-      of_friction.push_back(shown(joint.name) + ' ' +
-                            readable(l.cycle.ending_friction, joint.prismatic() ? "N" : "N m") +
-                            (!friction                             ? ""
-                             : *friction > l.cycle.ending_friction ? " (less than stated)"
-                                                                   : " (more than stated)"));
-    if (l.cycle.play)
-      of_play.push_back(shown(joint.name) + ' ' +
-                        readable(l.cycle.play->amplitude, joint.prismatic() ? "m" : "rad") + " at " +
-                        hertz(l.cycle.play->frequency));
-  }
-  return {
-      sampled ? "Loops, at the worst inertia between these ends" : "Loops",
-      std::move(rows),
-      {std::string("limit cycle at most: ") +
-       (sampled ? "whatever the motion; proven at each inertia, the worst of which is searched"
-                : "proven, whatever the motion") +
-       "; predicted: by the describing function of rounding, a first harmonic: short pulses may keep "
-       "alive what it does not predict" +
-       (of_friction.empty() ? ""
-                            : "; Coulomb friction that ends one between two counts: " + joined(of_friction)) +
-       (of_play.empty() ? "" : "; play is predicted to keep alive: " + joined(of_play))}};
-}
-
-ControlTable wall_table(const Spec& spec, const ControlReport& report) {
-  TableRows rows{
-      {"", "passive stiffness", "decided by", "joint", "limit of the rate", "limit of the counts"}};
-  std::vector<std::string> places;
-  for (const WorstWall& w : report.walls) {
-    if (std::isinf(w.limit.stiffness())) {
-      rows.push_back({shown(w.name), "felt by no joint", "-", "-", "-", "-"});
-      continue;
-    }
-    rows.push_back({shown(w.name), readable(w.limit.stiffness(), "N/m"),
-                    w.limit.by_quantization() ? "counts, friction" : "rate, damping",
-                    shown(spec.model.chain.independent[w.limit.joint()].name), readable(w.sampling, "N/m"),
-                    readable(w.quantization, "N/m")});
-    places.push_back(shown(w.name) + ": " +
-                     configuration_text(spec.model.chain, w.at, [](const auto& joint, double value) {
-                       return shown(joint.name) + ' ' + significant(value, 4);
-                     }));
-  }
-  return {"Virtual walls: the least stiffness over the configurations that stays passive",
-          std::move(rows),
-          {(places.empty() ? "" : "least at ") + joined(places, "; "),
-           "a finer encoder helps up to the limit of the rate, a faster loop or a shorter delay up to that "
-           "of the counts"}};
-}
-
-std::string gain_line(const Spec& spec, const ControlReport& report) {
-  if (report.gains.empty()) return "";
-  return "largest kd that meets the requirements, loop open: " +
-         joined(report.gains, "; ", [&](const GainReport& g) {
-           const IndependentJoint& joint = spec.model.chain.independent[g.joint];
-           return shown(joint.name) + ' ' +
-                  (g.kd > 0 ? significant(g.kd, 4) + (joint.prismatic() ? " N s/m" : " N m s/rad") : "none") +
-                  " (" + g.quantity + ')';
-         });
-}
-
-ControlTable torque_table(const Spec& spec, const ControlReport& report) {
-  const auto& joints = spec.model.chain.independent;
-  const bool limited = std::any_of(report.torques.begin(), report.torques.end(),
-                                   [](const OpenTorque& t) { return t.relative.has_value(); });
-  TableRows rows{{"", "worst case"}};
-  if (limited) rows[0].emplace_back("of the effort limit");
-  rows[0].emplace_back("encoders' parts of it");
-  for (const OpenTorque& t : report.torques) {
-    std::vector<std::string> parts;
-    for (Eigen::Index e = 0; e < t.share.size(); ++e)
-      if (constexpr double shown_from = 0.005; t.share[e] >= shown_from)
-        parts.push_back(shown(joints[static_cast<std::size_t>(e)].name) + ' ' + percent(t.share[e]));
-    rows.push_back(
-        {shown(joints[t.joint].name), readable(t.worst_case, joints[t.joint].prismatic() ? "N" : "N m")});
-    if (limited) rows.back().push_back(t.relative ? significant(100 * *t.relative, 3) + " %" : "-");
-    rows.back().push_back(joined(parts));
-  }
-  return {"Torques due to errors, the loops open", std::move(rows), {}};
-}
-
-}  // namespace
 
 std::vector<ControlTable> control_tables(const Spec& spec, const ControlReport& report) {
   std::vector<ControlTable> all;

@@ -32,10 +32,9 @@ std::vector<Limits> sampled_ranges(const Spec& spec) {
   const auto& points = spec.configurations.points;
   if (points.empty()) return ranges;
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    ranges[i] = {points.front()[row], points.front()[row]};
+    ranges[i] = {points.front()[i], points.front()[i]};
     for (const Eigen::VectorXd& q : points)
-      ranges[i] = {std::min(ranges[i].lower, q[row]), std::max(ranges[i].upper, q[row])};
+      ranges[i] = {std::min(ranges[i].lower, q[i]), std::max(ranges[i].upper, q[i])};
   }
   return ranges;
 }
@@ -61,43 +60,6 @@ std::pair<const char*, const char*> lack(Need need, bool has_motion) {
   return {"", ""};
 }
 
-}  // namespace
-
-RobotUsage usage_of(const Spec& spec) {
-  const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
-  if (!spec.motion) return limits;
-  double margin = 0;  // late readings at the start show the time before the motion
-  for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
-  Motion motion = *spec.motion;
-  motion.settling = settling_time(motion, designed_filters(spec));
-  RobotUsage usage = usage_in_motion(spec.model, motion, std::min(margin, motion.duration));
-  for (std::size_t i = 0; i < usage.joints.size(); ++i)
-    if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;
-  return usage;
-}
-
-EffectReport effects_by_range(const Spec& spec) {
-  if (spec.effects.empty()) return {};
-  EffectReport report{effect_shares(spec.model, spec.effects, usage_of(spec)), {}};
-  const bool steps = std::any_of(report.shares.begin(), report.shares.end(),
-                                 [](const EffectShare& s) { return s.reversals.has_value(); });
-  report.sources = error_sources(spec.model, report.shares, filter_norms(spec),
-                                 steps ? step_energies(designed_filters(spec)) : std::vector<double>{});
-  return report;
-}
-
-bool effects_follow_motion(const Spec& spec) {
-  if (!spec.motion || spec.effects.empty()) return false;
-  const std::vector<Filter> filters = designed_filters(spec);
-  return std::all_of(filters.begin(), filters.end(),
-                     [&](const Filter& f) {
-                       return UnroundedRecord(*spec.motion, f.sample_rate, 0).samples() <= longest_record;
-                     }) &&
-         spec.motion->duration * spec.motion->sample_rate <= static_cast<double>(longest_record);
-}
-
-namespace {
-
 bool on_encoder(const Spec& spec, const Effect& e, std::size_t encoder) {
   return independent_index(spec.model.chain, e.joint) == encoder;
 }
@@ -105,31 +67,13 @@ bool on_encoder(const Spec& spec, const Effect& e, std::size_t encoder) {
 /// Whether a counter of the encoder jumps: bounds of everything on its decoder are then by range, as the peak
 /// of the mean over the zeros is not that of a single one.
 bool decoder_jumps(const Spec& spec, std::size_t encoder) {
-  return std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+  return std::ranges::any_of(spec.effects, [&](const Effect& e) {
     return effect_kind(e.type).jumps && on_encoder(spec, e, encoder);
   });
 }
 
-}  // namespace
-
-Eigen::VectorXd count_factors(const Spec& spec) {
-  Eigen::VectorXd factors =
-      Eigen::VectorXd::Ones(static_cast<Eigen::Index>(spec.model.transmission.encoders.size()));
-  if (!effects_follow_motion(spec)) return factors;
-  for (const Effect& e : spec.effects) {
-    const auto count_error = effect_kind(e.type).count_error;
-    const std::size_t encoder = independent_index(spec.model.chain, e.joint);
-    if (count_error && !decoder_jumps(spec, encoder))
-      factors[static_cast<Eigen::Index>(encoder)] *= count_error(e).factor;
-  }
-  return factors;
-}
-
-namespace {
-
 bool has_closed_signals(const Spec& spec) {
-  return std::any_of(spec.model.signals.begin(), spec.model.signals.end(),
-                     [](const Signal& s) { return is_closed(s); });
+  return std::ranges::any_of(spec.model.signals, [](const Signal& s) { return is_closed(s); });
 }
 
 /// [joint]: its loop at the inertia that the spec states; empty: none is stated, or the loop is unstable.
@@ -189,7 +133,7 @@ class EffectsInMotion {
       add_either_way(effects_along_motion(spec_.model, {e}, motion, filters_, settling_),
                      *report.along_motion);
     widen(*report.along_motion);
-    if (has_closed_signals(spec_)) report.in_loops = in_loops();
+    if (has_closed_signals(spec_)) report.along_motion->in_loops = in_loops();
     return report;
   }
 
@@ -215,7 +159,7 @@ class EffectsInMotion {
       for (const Signal& s : find_signals(joints, "joint:" + joint.name)) joints.signals.push_back(s);
     std::vector<LoopRatio> ratios;
     for (const std::optional<ClosedLoop>& loop : stated_loops(spec_)) {
-      const auto j = static_cast<Eigen::Index>(ratios.size());
+      const auto j = std::ssize(ratios);
       ratios.push_back({unknown, unknown});
       if (!loop) continue;
       const std::vector<Filter> both{loop->motion, loop->torque};
@@ -305,8 +249,7 @@ class EffectsInMotion {
     for (std::size_t f = 0; f < filters_.size() && s.share->spectrum == Spectrum::motion; ++f) {
       const Eigen::VectorXd behind =
           sigma_within_line(spec_.model, {s.effect}, *spec_.motion, filters_[f], settling_);
-      source.sigma_ratios[f] =
-          source.sigma > 0 ? step * behind[static_cast<Eigen::Index>(s.joint)] / source.sigma : 0;
+      source.sigma_ratios[f] = source.sigma > 0 ? step * behind[s.joint] / source.sigma : 0;
     }
     if (s.share->spectrum == Spectrum::white)
       source.half_width += (std::max(1.0, s.multiplied) - 1) * half(s);
@@ -316,9 +259,7 @@ class EffectsInMotion {
 
   static double half(const EffectShare& s) { return std::abs(s.share->mean) + s.share->half_width; }
   /// A decoder multiplies the errors before it.
-  double multiplied(std::size_t encoder) const {
-    return std::max(1.0, factors_[static_cast<Eigen::Index>(encoder)]);
-  }
+  double multiplied(std::size_t encoder) const { return std::max(1.0, factors_[encoder]); }
 
   /// The share becomes what the effect adds alone.
   static void show(EffectShare& s, const SignalMoments& alone) {
@@ -336,15 +277,12 @@ class EffectsInMotion {
         0.5 * (model.transmission.coupling.magnitudes() * resolutions(model.transmission));
     double turned = 0;
     for (const ChainJoint& joint : model.chain.joints)
-      if (!joint.prismatic)
-        turned += displaced_ * std::abs(joint.multiplier) *
-                  half_widths[static_cast<Eigen::Index>(joint.coordinate)];
+      if (!joint.prismatic) turned += displaced_ * std::abs(joint.multiplier) * half_widths[joint.coordinate];
     for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
       if (!is_position(model.coordinates[c])) continue;
-      const auto row = static_cast<Eigen::Index>(c);
-      error.tip.peak[row] += turned;
+      error.tip.peak[c] += turned;
       for (std::size_t f = 0; f < norms_.size(); ++f)
-        error.filtered[f].peak[row] += norms_[f].l1.upper * turned;
+        error.filtered[f].peak[c] += norms_[f].l1.upper * turned;
     }
   }
 
@@ -358,75 +296,6 @@ class EffectsInMotion {
   std::vector<Effect> signals_, steady_;  // all, and those without jumps
   double displaced_ = 0;                  // lengths by which origins are displaced [m]
 };
-
-}  // namespace
-
-EffectReport effect_report(const Spec& spec) {
-  EffectReport report = effects_follow_motion(spec) ? EffectsInMotion(spec).report() : effects_by_range(spec);
-  const SlowErrorRatios ratios = slow_error_ratios(spec);
-  for (IndependentError& source :
-       accuracy_sources(spec.model.transmission.encoders, ratios.accuracy, ratios.gear_accuracy))
-    report.sources.push_back(std::move(source));
-  return report;
-}
-
-bool states_accuracy(const Spec& spec) {
-  const auto& encoders = spec.model.transmission.encoders;
-  return std::any_of(encoders.begin(), encoders.end(),
-                     [](const Encoder& e) { return e.accuracy > 0 || e.gear_accuracy > 0; });
-}
-
-std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {
-  std::vector<std::string> warnings;
-  for (const EffectShare& s : shares) {
-    if (s.share) continue;
-    const auto [what, remedy] = lack(effect_kind(s.effect.type).need, spec.motion.has_value());
-    warnings.push_back("effect '" + s.effect.type + "' of joint '" + s.effect.joint +
-                       "' is not in these figures: " + what + " is not known; " + remedy);
-  }
-  return warnings;
-}
-
-std::string warning_of_limits(const Spec& spec, const std::vector<EffectShare>& shares) {
-  if (spec.motion || !has_masses(spec.model.chain)) return "";
-  std::vector<std::string> joints;
-  for (const EffectShare& s : shares)
-    if (s.included && !is_zero(*s.share) && needs_effort({s.effect})) joints.push_back(s.effect.joint);
-  if (joints.empty()) return "";
-  return "the loads of " + list_of_names(joints) +
-         " are +- the effort limits of the URDF, not those of its masses: gravity is ignored, although the "
-         "masses "
-         "are known; add `motion:`, also one at rest, and the loads follow from masses and motion";
-}
-
-void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
-  const std::vector<std::string> unknown = effect_warnings(spec, shares);
-  const auto of_error = std::find_if(spec.requirements.begin(), spec.requirements.end(),
-                                     [](const Requirement& r) { return r.limits_error(); });
-  if (of_error == spec.requirements.end() || unknown.empty()) return;
-  throw Error(of_error->place, "requirements",
-              quoted(of_error->quantity) + " cannot be decided: " + unknown.front(), "", "");
-}
-
-std::string effect_unit(const Spec& spec, const EffectShare& s) {
-  const bool displaced = effect_kind(s.effect.type).stage == Stage::kinematics;
-  return displaced || spec.model.chain.independent[s.joint].prismatic() ? "m" : "rad";
-}
-
-std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& effect) {
-  const Chain& chain = spec.model.chain;
-  const bool prismatic = chain.independent[independent_index(chain, effect.joint)].prismatic();
-  std::vector<EffectParameter> list;
-  for (const Parameter& row : effect_kind(effect.type).parameters) {
-    const auto number = effect.numbers.find(std::string(row.name));
-    if (number == effect.numbers.end()) continue;
-    list.push_back({number->first, number->second, unit_name(dimension_at(row, prismatic)),
-                    row.fallback && *row.fallback == number->second});
-  }
-  return list;
-}
-
-namespace {
 
 constexpr double gear_periods = 2;  ///< of a gear's error in a revolution of its fast shaft
 
@@ -460,8 +329,7 @@ double response_along(const Spec& spec, std::size_t encoder, const Filter& filte
   const double samples = std::floor(spec.motion->duration * filter.sample_rate + 0.5);
   if (!(samples >= 1 && samples <= static_cast<double>(longest_record))) return unknown;
   const MotionPath path(*spec.motion);
-  const Eigen::RowVectorXd to_encoder =
-      spec.model.transmission.coupling.inverse().row(static_cast<Eigen::Index>(encoder));
+  const Eigen::RowVectorXd to_encoder = spec.model.transmission.coupling.inverse().row(encoder);
   // From the steady state for the first reading: zero states would add its step.
   Cascade<double> cosine(filter), sine(filter);
   const double at_start = to_encoder.dot(path.position(0));
@@ -480,35 +348,143 @@ double response_along(const Spec& spec, std::size_t encoder, const Filter& filte
 
 }  // namespace
 
+RobotUsage usage_of(const Spec& spec) {
+  const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
+  if (!spec.motion) return limits;
+  double margin = 0;  // late readings at the start show the time before the motion
+  for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
+  Motion motion = *spec.motion;
+  motion.settling = settling_time(motion, designed_filters(spec));
+  RobotUsage usage = usage_in_motion(spec.model, motion, std::min(margin, motion.duration));
+  for (std::size_t i = 0; i < usage.joints.size(); ++i)
+    if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;
+  return usage;
+}
+
+EffectReport effects_by_range(const Spec& spec) {
+  if (spec.effects.empty()) return {};
+  EffectReport report{effect_shares(spec.model, spec.effects, usage_of(spec)), {}};
+  const bool steps =
+      std::ranges::any_of(report.shares, [](const EffectShare& s) { return s.reversals.has_value(); });
+  report.sources = error_sources(spec.model, report.shares, filter_norms(spec),
+                                 steps ? step_energies(designed_filters(spec)) : std::vector<double>{});
+  return report;
+}
+
+bool effects_follow_motion(const Spec& spec) {
+  if (!spec.motion || spec.effects.empty()) return false;
+  const std::vector<Filter> filters = designed_filters(spec);
+  return std::ranges::all_of(filters,
+                             [&](const Filter& f) {
+                               return UnroundedRecord(*spec.motion, f.sample_rate, 0).samples() <=
+                                      longest_record;
+                             }) &&
+         spec.motion->duration * spec.motion->sample_rate <= static_cast<double>(longest_record);
+}
+
+Eigen::VectorXd count_factors(const Spec& spec) {
+  Eigen::VectorXd factors = Eigen::VectorXd::Ones(std::ssize(spec.model.transmission.encoders));
+  if (!effects_follow_motion(spec)) return factors;
+  for (const Effect& e : spec.effects) {
+    const auto count_error = effect_kind(e.type).count_error;
+    const std::size_t encoder = independent_index(spec.model.chain, e.joint);
+    if (count_error && !decoder_jumps(spec, encoder)) factors[encoder] *= count_error(e).factor;
+  }
+  return factors;
+}
+
+EffectReport effect_report(const Spec& spec) {
+  EffectReport report = effects_follow_motion(spec) ? EffectsInMotion(spec).report() : effects_by_range(spec);
+  const SlowErrorRatios ratios = slow_error_ratios(spec);
+  for (IndependentError& source :
+       accuracy_sources(spec.model.transmission.encoders, ratios.accuracy, ratios.gear_accuracy))
+    report.sources.push_back(std::move(source));
+  return report;
+}
+
+bool states_accuracy(const Spec& spec) {
+  const auto& encoders = spec.model.transmission.encoders;
+  return std::ranges::any_of(encoders,
+                             [](const Encoder& e) { return e.accuracy > 0 || e.gear_accuracy > 0; });
+}
+
+std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {
+  std::vector<std::string> warnings;
+  for (const EffectShare& s : shares) {
+    if (s.share) continue;
+    const auto [what, remedy] = lack(effect_kind(s.effect.type).need, spec.motion.has_value());
+    warnings.push_back("effect '" + s.effect.type + "' of joint '" + s.effect.joint +
+                       "' is not in these figures: " + what + " is not known; " + remedy);
+  }
+  return warnings;
+}
+
+std::string warning_of_limits(const Spec& spec, const std::vector<EffectShare>& shares) {
+  if (spec.motion || !has_masses(spec.model.chain)) return "";
+  std::vector<std::string> joints;
+  for (const EffectShare& s : shares)
+    if (s.included && !is_zero(*s.share) && needs_effort({s.effect})) joints.push_back(s.effect.joint);
+  if (joints.empty()) return "";
+  return "the loads of " + list_of_names(joints) +
+         " are +- the effort limits of the URDF, not those of its masses: gravity is ignored, although the "
+         "masses "
+         "are known; add `motion:`, also one at rest, and the loads follow from masses and motion";
+}
+
+void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
+  const std::vector<std::string> unknown = effect_warnings(spec, shares);
+  const auto of_error = std::ranges::find_if(spec.requirements, &Requirement::limits_error);
+  if (of_error == spec.requirements.end() || unknown.empty()) return;
+  throw Error(of_error->place, "requirements",
+              quoted(of_error->quantity) + " cannot be decided: " + unknown.front(), "", "");
+}
+
+std::string effect_unit(const Spec& spec, const EffectShare& s) {
+  const bool displaced = effect_kind(s.effect.type).stage == Stage::kinematics;
+  return displaced ? "m" : spec.model.chain.independent[s.joint].unit();
+}
+
+std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& effect) {
+  const Chain& chain = spec.model.chain;
+  const bool prismatic = chain.independent[independent_index(chain, effect.joint)].prismatic();
+  std::vector<EffectParameter> list;
+  for (const Parameter& row : effect_kind(effect.type).parameters) {
+    const auto number = effect.numbers.find(std::string(row.name));
+    if (number == effect.numbers.end()) continue;
+    list.push_back({number->first, number->second, unit_name(dimension_at(row, prismatic)),
+                    row.fallback && *row.fallback == number->second});
+  }
+  return list;
+}
+
 SlowErrorRatios slow_error_ratios(const Spec& spec) {
   const auto& encoders = spec.model.transmission.encoders;
-  const std::size_t looped = spec.model.control ? spec.model.control->joints.size() : 0;
-  const std::vector<double> none(spec.filters.size() + 2 * looped, unknown);
-  SlowErrorRatios ratios{SigmaRatios(encoders.size(), none), SigmaRatios(encoders.size(), none)};
-  if (!states_accuracy(spec) || none.empty()) return ratios;
-  const RobotUsage usage = usage_of(spec);
   const std::vector<std::optional<ClosedLoop>> loops = stated_loops(spec);
+  const SigmaRatios none{std::vector(spec.filters.size(), unknown),
+                         std::vector(loops.size(), LoopRatio{unknown, unknown})};
+  SlowErrorRatios ratios{std::vector(encoders.size(), none), std::vector(encoders.size(), none)};
+  if (!states_accuracy(spec) || (spec.filters.empty() && loops.empty())) return ratios;
+  const RobotUsage usage = usage_of(spec);
   for (std::size_t i = 0; i < encoders.size(); ++i) {
     const std::optional<double> periods = periods_per_unit(spec, i, usage);
     const auto& velocity = usage.encoders[i].velocity;
     if (!periods || !velocity) continue;
-    const auto set = [&](std::size_t at, const Filter& filter, const std::vector<Filter>& settled) {
-      const auto ratio = [&](double of_shaft) {
+    const auto set = [&](double stated, double of_shaft, SigmaRatios& to) {
+      if (!(stated > 0)) return;
+      const auto ratio = [&](const Filter& filter, const std::vector<Filter>& settled) {
         return spec.motion ? response_along(spec, i, filter, of_shaft * *periods, settled)
                            : mean_response(filter, of_shaft * *periods * velocity->largest());
       };
-      if (encoders[i].accuracy > 0) ratios.accuracy[i][at] = ratio(1);
-      if (encoders[i].gear_accuracy > 0) ratios.gear_accuracy[i][at] = ratio(gear_periods);
+      for (std::size_t f = 0; f < to.filters.size(); ++f)
+        to.filters[f] = ratio(spec.filters[f].filter, designed_filters(spec));
+      for (std::size_t j = 0; j < loops.size(); ++j) {
+        if (!loops[j] || spec.model.transmission.coupling(j, i) == 0) continue;
+        const std::vector<Filter> both{loops[j]->motion, loops[j]->torque};
+        to.loops[j] = {ratio(loops[j]->motion, both), ratio(loops[j]->torque, both)};
+      }
     };
-    for (std::size_t f = 0; f < spec.filters.size(); ++f)
-      set(f, spec.filters[f].filter, designed_filters(spec));
-    for (std::size_t j = 0; j < loops.size(); ++j) {
-      if (!loops[j] ||
-          spec.model.transmission.coupling(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)) == 0)
-        continue;
-      set(spec.filters.size() + 2 * j, loops[j]->motion, {loops[j]->motion, loops[j]->torque});
-      set(spec.filters.size() + 2 * j + 1, loops[j]->torque, {loops[j]->motion, loops[j]->torque});
-    }
+    set(encoders[i].accuracy, 1, ratios.accuracy[i]);
+    set(encoders[i].gear_accuracy, gear_periods, ratios.gear_accuracy[i]);
   }
   return ratios;
 }
@@ -535,7 +511,7 @@ std::vector<double> step_energies(const std::vector<Filter>& filters) {
 
 std::string slow_error_assumption(const Spec& spec, const std::vector<EffectShare>& effects) {
   if (spec.filters.empty()) return "";
-  const bool play = !spec.motion && std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) {
+  const bool play = !spec.motion && std::ranges::any_of(effects, [](const EffectShare& e) {
     return e.included && e.reversals.has_value();
   });
   std::string text;
@@ -555,16 +531,16 @@ std::string slow_error_assumption(const Spec& spec, const std::vector<EffectShar
 std::string closed_loop_assumption(const Spec& spec, const std::vector<EffectShare>& effects) {
   if (!has_closed_signals(spec)) return "";
   const auto& joints = spec.model.control->joints;
-  const bool varying = std::any_of(joints.begin(), joints.end(),
-                                   [](const JointController& c) { return c.acts() && !c.inertia; });
+  const bool varying =
+      std::ranges::any_of(joints, [](const JointController& c) { return c.acts() && !c.inertia; });
   std::vector<std::string> by_norm;
   for (const EffectShare& e : effects)
     if (e.included && !is_zero(*e.share) && e.share->spectrum != Spectrum::white &&
         (varying || !effects_follow_motion(spec)) && !contains(by_norm, e.effect.type))
       by_norm.push_back(e.effect.type);
   const RobotUsage usage = usage_of(spec);
-  const bool speeds_known = std::all_of(usage.encoders.begin(), usage.encoders.end(),
-                                        [](const Usage& u) { return u.velocity.has_value(); });
+  const bool speeds_known =
+      std::ranges::all_of(usage.encoders, [](const Usage& u) { return u.velocity.has_value(); });
   if (states_accuracy(spec) && (varying || !speeds_known)) by_norm.emplace_back("accuracy");
   if (by_norm.empty()) return "";
   return "sigma in closed loops takes " + joined(by_norm) +

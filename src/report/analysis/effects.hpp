@@ -30,7 +30,6 @@ struct EffectReport {
   std::vector<EffectShare> shares;  ///< in the order of the spec
   std::vector<IndependentError> sources;
   std::optional<ErrorAlongMotion> along_motion = {};
-  std::vector<LoopRatio> in_loops = {};  ///< [joint]: of along_motion; empty: no closed loop is asked for
 };
 EffectReport effect_report(const Spec&);
 
@@ -95,14 +94,13 @@ Workspace workspace_with_quantization(const OperationalModel&, const std::vector
 /// strain wave's (Tuttle and Seering, IEEE Trans. Robotics and Automation 12(3), 1996). A scale without a
 /// shaft has one period over the joint's range.
 struct SlowErrorRatios {
-  SigmaRatios accuracy, gear_accuracy;
+  std::vector<SigmaRatios> accuracy, gear_accuracy;  ///< [encoder]
 };
 
 /// Along the spec's motion the mean square of the filtered sine, over the samples after the settling and over
 /// the phases; without a motion the mean of |H(f)|^2 over the speeds from 0 to the URDF's limits, all equally
-/// probable. NaN where neither is known, and of a motion of more than `longest_record` samples. Behind those
-/// of the filters stand two of each joint with `control`: of the true motion and of the torque in its closed
-/// loop, at the inertia that the spec states; else NaN.
+/// probable. NaN where neither is known, of a motion of more than `longest_record` samples, and of a loop
+/// whose inertia the spec does not state.
 SlowErrorRatios slow_error_ratios(const Spec&);
 
 /// [filter]: T sum s_k^2 of the step response s, the energy of a step of 1 behind the filter [s^(1 - 2d)]; of

@@ -14,7 +14,7 @@ namespace qerr {
 namespace {
 
 FigureName name_of(const Spec& spec, const Signal& s, const Figure& f) {
-  const NamedFilter* filter = f.filter < 0 ? nullptr : &spec.filters[static_cast<std::size_t>(f.filter)];
+  const NamedFilter* filter = f.filter < 0 ? nullptr : &spec.filters[f.filter];
   if (filter && filter->controller)
     return {f,
             "torque",
@@ -34,6 +34,21 @@ FigureName name_of(const Spec& spec, const Signal& s, const Figure& f) {
           filter ? shown_unit(s.unit, filter->filter) : s.unit};
 }
 
+/// Whether the figures of a signal behind a filter (-1: none) exist.
+bool is_passed(const Spec& spec, std::ptrdiff_t filter, const Signal& s) {
+  return filter < 0 || is_filtered(spec.filters[filter], s);
+}
+
+std::vector<FigureName> figures_of(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  std::vector<FigureName> figures = all_figures(spec);
+  std::erase_if(figures, [&](const FigureName& name) {
+    const auto [signal, filter, bound] = name.figure;
+    return bound == Bound::sigma_quantization ||
+           (bound == Bound::sigma_in_motion && !is_known(noise, filter));
+  });
+  return figures;
+}
+
 }  // namespace
 
 std::string FigureName::quantity() const {
@@ -42,10 +57,6 @@ std::string FigureName::quantity() const {
 
 FigureName name_of(const Spec& spec, const Figure& f) {
   return name_of(spec, all_signals(spec.model)[f.signal], f);
-}
-
-bool is_passed(const Spec& spec, std::ptrdiff_t filter, const Signal& s) {
-  return filter < 0 || is_filtered(spec.filters[static_cast<std::size_t>(filter)], s);
 }
 
 std::vector<FigureName> all_figures(const Spec& spec) {
@@ -124,22 +135,8 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
   return out;
 }
 
-namespace {
-
-std::vector<FigureName> figures_of(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
-  std::vector<FigureName> figures = all_figures(spec);
-  std::erase_if(figures, [&](const FigureName& name) {
-    const auto [signal, filter, bound] = name.figure;
-    return bound == Bound::sigma_quantization ||
-           (bound == Bound::sigma_in_motion && !is_known(noise, static_cast<std::size_t>(filter)));
-  });
-  return figures;
-}
-
-}  // namespace
-
 Eigen::VectorXd configuration_of(const ConfigurationBatch& batch, std::size_t i, const Chain& chain) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
+  Eigen::VectorXd q(std::ssize(chain.independent));
   for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
   return q;
 }
@@ -170,8 +167,7 @@ std::vector<double> per_configuration_numbers(const Spec& spec, const std::vecto
     for (const FigureName& name : figures) {
       const Figure& f = name.figure;
       const FigureColumn column = figure_column(f, norms, batch.layout);
-      const bool known = f.filter < 0 || !is_sigma(f.bound) ||
-                         sigma_is_known(spec.model.sources, static_cast<std::size_t>(f.filter));
+      const bool known = f.filter < 0 || !is_sigma(f.bound) || sigma_is_known(spec.model.sources, f.filter);
       numbers.push_back(known ? column.factor * batch.figures[column.figure * batch_size + i]
                               : std::numeric_limits<double>::quiet_NaN());
       if (name.signal == "position") positions.push_back(numbers.back());

@@ -31,9 +31,6 @@ std::vector<FigureName> all_figures(const Spec&);
 
 FigureName name_of(const Spec&, const Figure&);
 
-/// Whether the figures of a signal behind a filter (-1: none) exist.
-bool is_passed(const Spec&, std::ptrdiff_t filter, const Signal&);
-
 /// Calls `see` with every figure that the analysis has.
 void for_each_figure(const Analysis&, const std::function<void(const FigureName&, const Statistic&)>& see);
 

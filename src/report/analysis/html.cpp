@@ -74,9 +74,8 @@ class SampleCollector {
   }
 
   ConfigurationSample sorted() {
-    parallel_for(sample_.distributions.size(), 0, [&](std::size_t f) {
-      std::sort(sample_.distributions[f].begin(), sample_.distributions[f].end());
-    });
+    parallel_for(sample_.distributions.size(), 0,
+                 [&](std::size_t f) { std::ranges::sort(sample_.distributions[f]); });
     return std::move(sample_);
   }
 
@@ -114,7 +113,7 @@ page::Bars bars_of(const Analysis& a, const std::string& title, const Shares& sh
                   {}};
   const auto& joints = a.spec.model.chain.independent;
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    const double share = shares[static_cast<Eigen::Index>(i)];
+    const double share = shares[i];
     bars.bars.push_back({joints[i].name, share, percent(share)});
   }
   return bars;
@@ -125,7 +124,7 @@ page::Bars bars_of(const Analysis& a, const std::string& title, const Shares& sh
 std::string budget_figures(const Analysis& a) {
   std::vector<std::pair<std::string, std::string>> all;
   const std::vector<double> budget = encoder_budget(a);
-  const Eigen::Map<const Eigen::VectorXd> mean(budget.data(), static_cast<Eigen::Index>(budget.size()));
+  const Eigen::Map<const Eigen::VectorXd> mean(budget.data(), std::ssize(budget));
   if (mean.size() > 0)
     all.emplace_back("tip, variance", figure(bars_of(a, "Share of the tip's mean variance", mean)));
   const std::vector<Signal> coordinates = all_signals(a.spec.model);
@@ -160,7 +159,7 @@ std::vector<double> drawn_percentages() {
 /// report.
 page::Series series_of(const FigureName& name, const Statistic& s, const std::vector<double>& sorted) {
   page::Series series{std::string(name.bound), {}};
-  const auto value = [&](std::uint64_t rank) { return sorted[static_cast<std::size_t>(rank)]; };
+  const auto value = [&](std::uint64_t rank) { return sorted[rank]; };
   for (const double p : drawn_percentages())
     series.points.emplace_back(p == 0     ? s.min
                                : p == 100 ? s.max
@@ -262,8 +261,7 @@ TipGrid tip_grid(const ConfigurationSample& sample, const Eigen::Vector3d& low, 
 }
 
 std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, const Signal& c) {
-  const std::string x = axis_names[static_cast<std::size_t>(g.axes[0])],
-                    y = axis_names[static_cast<std::size_t>(g.axes[1])];
+  const std::string x = axis_names[g.axes[0]], y = axis_names[g.axes[1]];
   page::HeatMap map{"Worst case of " + c.name + " over the workspace, " + x + y,
                     "Largest worst case among the configurations with the tip in a cell.",
                     {x, "m", false, false},
@@ -311,8 +309,7 @@ std::optional<double> position_sigma(const Analysis& a, const Eigen::MatrixXd& c
   double sum = 0;
   int found = 0;
   for (std::size_t i = 0; i < all.size() && static_cast<Eigen::Index>(i) < covariance.rows(); ++i)
-    if (is_position(all[i]))
-      sum += covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)), ++found;
+    if (is_position(all[i])) sum += covariance(i, i), ++found;
   return found == 3 && std::isfinite(sum) ? std::optional(std::sqrt(sum)) : std::nullopt;
 }
 
@@ -354,12 +351,11 @@ std::string requirement_sentence(const Spec& spec, const std::vector<Requirement
 std::string answer(const Analysis& a, const std::optional<std::vector<RequirementResult>>& results) {
   std::string text = tip_sentence(a) + (results ? requirement_sentence(a.spec, *results) : "");
   const std::vector<double> budget = encoder_budget(a);
-  const auto largest = std::max_element(budget.begin(), budget.end());
+  const auto largest = std::ranges::max_element(budget);
   if (largest != budget.end() && *largest > 0)
     text += "; the first encoder to upgrade is that of " +
-            page::isolated(
-                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name) +
-            ", with " + percent(*largest) + " of the variance";
+            page::isolated(a.spec.model.chain.independent[largest - budget.begin()].name) + ", with " +
+            percent(*largest) + " of the variance";
   return text + '.';
 }
 

@@ -96,7 +96,7 @@ auto encoder(double Encoder::*value) {
 }
 
 auto error(Eigen::VectorXd JointError::*value) {
-  return [value](const AnalyzedJoint& j) { return (j.whole.joints.*value)[static_cast<Eigen::Index>(j.i)]; };
+  return [value](const AnalyzedJoint& j) { return (j.whole.joints.*value)[j.i]; };
 }
 
 /// Empty without a limit; else the rate, which may not be known.
@@ -189,19 +189,19 @@ RowsOf<ReportedCovariance> rows(Of<ReportedCovariance>) {
 }
 
 RowsOf<AnalyzedJoint> rows(Of<AnalyzedJoint>) {
-  return {{"name", &IndependentJoint::name},
-          {"unit", [](auto& j) { return j->prismatic() ? "m" : "rad"; }},
-          {"resolution", [](auto& j) { return j.whole.resolutions[static_cast<Eigen::Index>(j.i)]; },
-           "of the encoder, at the joint side"},
-          {"worst_case", error(&JointError::worst_case), "of the joint, after the coupling"},
-          {"sigma", error(&JointError::sigma)},
-          {"mean", error(&JointError::mean)},
-          {"accuracy", encoder(&Encoder::accuracy), "of the encoder, at the joint side", optional},
-          {"gear_accuracy", encoder(&Encoder::gear_accuracy), "at the joint", optional},
-          {"count_rate", rate, "counts/s; where a limit is stated", optional},
-          {"max_count_rate", most_rate, "counts/s", optional},
-          {"max_speed", [](auto& j) { return largest_speed(j.whole.spec, j.i); },
-           "at which the counter can follow [rad/s or m/s]", optional}};
+  return {
+      {"name", &IndependentJoint::name},
+      {"unit", [](auto& j) { return j->unit(); }},
+      {"resolution", [](auto& j) { return j.whole.resolutions[j.i]; }, "of the encoder, at the joint side"},
+      {"worst_case", error(&JointError::worst_case), "of the joint, after the coupling"},
+      {"sigma", error(&JointError::sigma)},
+      {"mean", error(&JointError::mean)},
+      {"accuracy", encoder(&Encoder::accuracy), "of the encoder, at the joint side", optional},
+      {"gear_accuracy", encoder(&Encoder::gear_accuracy), "at the joint", optional},
+      {"count_rate", rate, "counts/s; where a limit is stated", optional},
+      {"max_count_rate", most_rate, "counts/s", optional},
+      {"max_speed", [](auto& j) { return largest_speed(j.whole.spec, j.i); },
+       "at which the counter can follow [rad/s or m/s]", optional}};
 }
 
 RowsOf<Position> rows(Of<Position>) {

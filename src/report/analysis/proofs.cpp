@@ -54,8 +54,8 @@ void prove(Analysis& a, const std::vector<Figure>& figures, ProofOptions options
     ProvenMaximum maximum = maxima[i];
     // Of configurations that are equal but for rounding the sample reports the first one.
     set_reached(maximum, std::max(maximum.lower, statistic_of(a.workspace, figures[i])->max));
-    const auto known = std::find_if(a.proofs.begin(), a.proofs.end(),
-                                    [&](const ProvenResult& p) { return p.figure == figures[i]; });
+    const auto known =
+        std::ranges::find_if(a.proofs, [&](const ProvenResult& p) { return p.figure == figures[i]; });
     if (known == a.proofs.end())
       a.proofs.push_back({figures[i], std::move(maximum)});
     else

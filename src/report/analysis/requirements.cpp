@@ -22,7 +22,7 @@ namespace {
 
 double largest(const Workspace& w, std::ptrdiff_t filter, std::size_t coordinate) {
   if (filter < 0) return w.coordinates[coordinate].worst_case.max;
-  const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(filter)][coordinate];
+  const DerivativeStatistics& d = w.derivatives[filter][coordinate];
   return d.worst_case.max;
 }
 
@@ -33,9 +33,9 @@ double conceivable(const Analysis& a, std::ptrdiff_t filter, const Signal& signa
   double sum = 0;
   for (std::size_t i = 0; i < a.spec.model.chain.independent.size(); ++i) {
     const bool prismatic = a.spec.model.chain.independent[i].prismatic();
-    sum += (prismatic ? (length ? 1 : 0) : arm) * a.joints.worst_case[static_cast<Eigen::Index>(i)];
+    sum += (prismatic ? (length ? 1 : 0) : arm) * a.joints.worst_case[i];
   }
-  return filter < 0 ? sum : sum * a.spec.filters[static_cast<std::size_t>(filter)].norms.h2;
+  return filter < 0 ? sum : sum * a.spec.filters[filter].norms.h2;
 }
 
 /// Whether a quantity is a share at the most of what is conceivable.
@@ -94,6 +94,24 @@ std::string reached_instead(const Analysis& a) {
                        : "the joints move " + joined(names);
 }
 
+/// Changes of these are changes, also where the figures of some configurations do not show them.
+std::string extent_of(const Spec& spec) {
+  std::string text = std::to_string(size(spec.configurations));
+  if (spec.motion)
+    text += ' ' + shortest(spec.motion->duration) + ' ' + shortest(spec.motion->settling.value_or(-1));
+  return text;
+}
+
+/// A limit with three digits, or with all that it has, so that two limits differ where they are named. A
+/// number with a unit, such as 0.7 mm, is read to 15 digits.
+std::string limit_text(const Requirement& r) {
+  constexpr int digits = 15;
+  const double limit = rounded_to(r.limit, digits);
+  if (!std::isfinite(limit) || rounded_to(limit, 3) == limit) return readable(limit, r.unit);
+  const PrefixedUnit prefix = prefixed(limit, r.unit);
+  return shortest(rounded_to(limit / prefix.factor, digits)) + (r.unit.empty() ? "" : ' ' + prefix.unit);
+}
+
 }  // namespace
 
 Analysis analysis_of_some(const Spec& spec, unsigned threads) {
@@ -117,18 +135,6 @@ Analysis analysis_of_some(const Spec& spec, unsigned threads) {
   options.threads = threads;
   return analyze(brief, options);
 }
-
-namespace {
-
-/// Changes of these are changes, also where the figures of some configurations do not show them.
-std::string extent_of(const Spec& spec) {
-  std::string text = std::to_string(size(spec.configurations));
-  if (spec.motion)
-    text += ' ' + shortest(spec.motion->duration) + ' ' + shortest(spec.motion->settling.value_or(-1));
-  return text;
-}
-
-}  // namespace
 
 std::string verdicts_of_some(const Spec& spec, unsigned threads) {
   const Analysis a = analysis_of_some(spec, threads);
@@ -154,8 +160,7 @@ std::string figures_of_some(const Spec& spec, unsigned threads, const std::strin
 
 std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) {
   constexpr std::uint64_t quick = 1'000'000;  // configurations
-  const bool proofs = std::any_of(spec.requirements.begin(), spec.requirements.end(),
-                                  [](const Requirement& r) { return r.proven; });
+  const bool proofs = std::ranges::any_of(spec.requirements, &Requirement::proven);
   if (spec.requirements.empty() || proofs || size(spec.configurations) > quick) return std::nullopt;
   try {
     auto results = evaluate(spec).results;
@@ -233,20 +238,6 @@ SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options, const Proo
   return report;
 }
 
-namespace {
-
-/// A limit with three digits, or with all that it has, so that two limits differ where they are named. A
-/// number with a unit, such as 0.7 mm, is read to 15 digits.
-std::string limit_text(const Requirement& r) {
-  constexpr int digits = 15;
-  const double limit = rounded_to(r.limit, digits);
-  if (!std::isfinite(limit) || rounded_to(limit, 3) == limit) return readable(limit, r.unit);
-  const PrefixedUnit prefix = prefixed(limit, r.unit);
-  return shortest(rounded_to(limit / prefix.factor, digits)) + (r.unit.empty() ? "" : ' ' + prefix.unit);
-}
-
-}  // namespace
-
 double margin(double value, double limit, bool at_least) {
   const double distance = at_least ? value - limit : limit - value;
   return limit != 0 ? distance / std::abs(limit) : std::numeric_limits<double>::quiet_NaN();
@@ -288,8 +279,7 @@ std::string configuration_text(
   std::vector<std::string> joints;
   for (const double value : q) {
     const IndependentJoint& joint = chain.independent[joints.size()];
-    joints.push_back(text ? text(joint, value)
-                          : shown(joint.name) + ' ' + readable(value, joint.prismatic() ? "m" : "rad"));
+    joints.push_back(text ? text(joint, value) : shown(joint.name) + ' ' + readable(value, joint.unit()));
   }
   return joined(joints);
 }

@@ -21,7 +21,7 @@ std::vector<Eigen::Vector3d> skeleton(const Chain& chain, const Eigen::VectorXd&
   std::vector<Eigen::Vector3d> points{Eigen::Vector3d::Zero()};
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   for (const ChainJoint& joint : chain.joints) {
-    const double value = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    const double value = joint.multiplier * q[joint.coordinate] + joint.offset;
     frame = frame * joint.origin;
     points.emplace_back(frame.translation());
     if (joint.prismatic)
@@ -60,8 +60,7 @@ DrawnPose drawn_pose(const OperationalModel& model, const std::string& name, con
   const auto& all = model.coordinates;
   std::array<Eigen::Index, 3> at{};
   for (std::size_t i = 0; i < 3; ++i)
-    at[i] = std::find(all.begin(), all.end(), std::array{Coordinate::x, Coordinate::y, Coordinate::z}[i]) -
-            all.begin();
+    at[i] = std::ranges::find(all, std::array{Coordinate::x, Coordinate::y, Coordinate::z}[i]) - all.begin();
   const OperationalError error = operational_error(model, q);
   Eigen::MatrixXd sigma = covariance(error);
   if (model.along_motion) sigma += model.along_motion->tip.covariance;
@@ -110,8 +109,7 @@ std::string views(const DrawnPose& pose, double factor) {
                     ".</p><div class=\"figures\">";
   constexpr std::array<const char*, 3> axes{"x", "y", "z"};
   for (const std::array<int, 2> rows : {std::array{0, 1}, {0, 2}, {1, 2}}) {
-    const std::string x = axes[static_cast<std::size_t>(rows[0])],
-                      y = axes[static_cast<std::size_t>(rows[1])];
+    const std::string x = axes[rows[0]], y = axes[rows[1]];
     page::Series robot{"robot", {}, true};
     for (const Eigen::Vector3d& p : pose.points) robot.points.emplace_back(p[rows[0]], p[rows[1]]);
     page::Plot plot{"View " + x + y + ", " + pose.name,
@@ -186,7 +184,7 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
   Json rows = Json::array();
   for (std::size_t i = 0; i < 2; ++i) {
     all.push_back(pose_of(poses[i], *at[i]));
-    const auto same = std::find(sample.q.begin(), sample.q.end(), *at[i]) - sample.q.begin();
+    const auto same = std::ranges::find(sample.q, *at[i]) - sample.q.begin();
     rows.push_back(sample.complete() && same < std::ssize(sample.q) ? same + 1 : 0);
   }
   const std::size_t count = std::min(cloud, sample.q.size());
@@ -211,7 +209,7 @@ std::string scene(const OperationalModel& model, const ConfigurationSample& samp
 std::string robot_figures(const Analysis& a, const ConfigurationSample& sample) {
   if (sample.q.empty()) return "<p>Without a configuration there is no robot to draw.</p>";
   OperationalModel model = a.spec.model;
-  const bool complete = std::count_if(model.coordinates.begin(), model.coordinates.end(), is_position) == 3;
+  const bool complete = std::ranges::count_if(model.coordinates, is_position) == 3;
   if (!complete && model.along_motion)
     return "<p>Errors along a motion are known of the spec's coordinates alone: without x, y and z among "
            "them "

@@ -14,31 +14,9 @@
 
 namespace qerr {
 
-std::string shown_unit(std::string_view unit, const Filter& filter) {
-  return has_unknown_unit(filter) ? "" : derivative_unit(unit, filter);
-}
-
-double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
+namespace {
 
 bool has_effects(const Analysis& a) { return !a.spec.model.sources.empty() || a.spec.model.along_motion; }
-
-std::string rate_unit(int derivative) {
-  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
-}
-
-std::string parameters_text(const Spec& spec, const Effect& effect) {
-  std::vector<std::string> all;
-  for (const EffectParameter& p : effect_parameters(spec, effect))
-    if (!p.usual)
-      all.push_back(p.name + ' ' + (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit)));
-  for (const Parameter& row : effect_kind(effect.type).parameters) {
-    const auto choice = effect.choices.find(std::string(row.name));
-    if (choice != effect.choices.end()) all.push_back(choice->first + ' ' + choice->second);
-  }
-  return joined(all);
-}
-
-namespace {
 
 /// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.
 std::string norm_text(const NamedFilter& f) {
@@ -116,7 +94,7 @@ using Three = std::array<Coordinate, 3>;
 std::optional<std::array<Eigen::Index, 3>> find_three(const OperationalModel& model, const Three& wanted) {
   std::array<Eigen::Index, 3> at{};
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto found = std::find(model.coordinates.begin(), model.coordinates.end(), wanted[i]);
+    const auto found = std::ranges::find(model.coordinates, wanted[i]);
     if (found == model.coordinates.end()) return std::nullopt;
     at[i] = found - model.coordinates.begin();
   }
@@ -126,8 +104,7 @@ std::optional<std::array<Eigen::Index, 3>> find_three(const OperationalModel& mo
 Eigen::Matrix3d block(const Eigen::MatrixXd& covariance, const std::array<Eigen::Index, 3>& at) {
   Eigen::Matrix3d three;
   for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 3; ++c)
-      three(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = covariance(at[r], at[c]);
+    for (std::size_t c = 0; c < 3; ++c) three(r, c) = covariance(at[r], at[c]);
   return three;
 }
 
@@ -225,7 +202,7 @@ std::string name_of(SamplingMethod m) {
 
 /// Whether the encoder's share is the largest, or equal to it in what is printed.
 std::vector<bool> largest_of(const std::vector<double>& shares) {
-  const double largest = *std::max_element(shares.begin(), shares.end());
+  const double largest = *std::ranges::max_element(shares);
   std::vector<bool> all;
   for (const double share : shares) all.push_back(share > 0 && percent(share) == percent(largest));
   return all;
@@ -236,16 +213,15 @@ std::string encoder_table(const Analysis& a, const Style& style) {
   std::vector<double> budget = encoder_budget(a);
   budget.resize(a.spec.model.chain.independent.size());
   const std::vector<bool> largest = largest_of(budget);
-  const auto first = std::count(largest.begin(), largest.end(), true);
+  const auto first = std::ranges::count(largest, true);
   const bool of_tip = !a.spec.model.coordinates.empty();
   TableRows rows{{"encoder", "resolution", "worst case", "sigma"}};
   if (of_tip) rows.front().emplace_back("share");
   for (std::size_t i = 0; i < budget.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
-    const std::string unit = joint.prismatic() ? "m" : "rad";
-    const auto row = static_cast<Eigen::Index>(i);
-    rows.push_back({shortened(joint.name, 22), readable(a.resolutions[row], unit),
-                    readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit)});
+    const std::string unit = joint.unit();
+    rows.push_back({shortened(joint.name, 22), readable(a.resolutions[i], unit),
+                    readable(a.joints.worst_case[i], unit), readable(a.joints.sigma[i], unit)});
     if (of_tip) rows.back().push_back(percent(budget[i]));
   }
   std::vector<std::string> lines = aligned_lines(rows);
@@ -293,7 +269,7 @@ std::string accuracy_table(const Analysis& a, const Style& style) {
     const IndependentJoint& joint = a.spec.model.chain.independent[e];
     const Encoder& encoder = a.spec.model.transmission.encoders[e];
     const double slow = encoder.accuracy + encoder.gear_accuracy;
-    const std::string unit = joint.prismatic() ? "m" : "rad";
+    const std::string unit = joint.unit();
     rows.push_back(row_of(shortened(joint.name, 22), readable(0.5 * encoder.resolution, unit),
                           slow > 0 ? readable(slow, unit) : "", parts[e], effects));
   }
@@ -452,6 +428,28 @@ std::string summary_table(const Analysis& a, const Style& style) {
 }
 
 }  // namespace
+
+std::string shown_unit(std::string_view unit, const Filter& filter) {
+  return has_unknown_unit(filter) ? "" : derivative_unit(unit, filter);
+}
+
+double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
+
+std::string rate_unit(int derivative) {
+  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
+}
+
+std::string parameters_text(const Spec& spec, const Effect& effect) {
+  std::vector<std::string> all;
+  for (const EffectParameter& p : effect_parameters(spec, effect))
+    if (!p.usual)
+      all.push_back(p.name + ' ' + (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit)));
+  for (const Parameter& row : effect_kind(effect.type).parameters) {
+    const auto choice = effect.choices.find(std::string(row.name));
+    if (choice != effect.choices.end()) all.push_back(choice->first + ' ' + choice->second);
+  }
+  return joined(all);
+}
 
 std::vector<TipEllipsoids> tip_ellipsoids(const Analysis& a) {
   std::vector<TipEllipsoids> all;

@@ -17,8 +17,6 @@
 /// Parts of the table of `analyze`.
 namespace qerr {
 
-bool has_effects(const Analysis&);
-
 /// Unit of what a filter passes over what enters: `1/s` of a velocity, "" of a position.
 std::string rate_unit(int derivative);
 

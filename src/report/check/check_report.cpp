@@ -14,60 +14,6 @@
 /// The page of `qerr check`, of one spec or of a fleet.
 namespace qerr {
 
-bool SpecCheck::all_met() const {
-  return std::all_of(results.begin(), results.end(), [](const RequirementResult& r) { return r.met; }) &&
-         (!baseline || baseline->regressions.empty());
-}
-
-SpecCheck check(const Spec& spec, const WorkspaceOptions& options, const Baseline* baseline,
-                const ProofRequest& proofs) {
-  if (spec.requirements.empty() && !baseline)
-    throw spec_error(spec, "requirements", "the spec has none: there is nothing to check", "",
-                     "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
-                     "earlier report: --baseline OLD.json");
-  SpecCheck report = evaluate(spec, options, proofs);
-  if (!baseline) return report;
-  report.baseline = against(*baseline, named_figures(report));
-  append(report.analysis.warnings, report.baseline->warnings);
-  return report;
-}
-
-bool CheckReport::all_met() const {
-  return broken.empty() &&
-         std::all_of(specs.begin(), specs.end(), [](const SpecCheck& s) { return s.all_met(); });
-}
-
-std::string verdict(const BaselineCheck& b) {
-  const std::string tolerance = b.tolerance > 0 ? " by more than " + percent(b.tolerance) : "";
-  return (b.regressions.empty() ? "none" : std::to_string(b.regressions.size())) + " of " +
-         counted(b.compared, "figure") + " worse than in " + b.file + tolerance;
-}
-
-std::string verdict(const FigureChange& c) {
-  return c.figure.name() + " was " + readable(*c.a, c.figure.unit) + " and is " +
-         readable(*c.b, c.figure.unit) + " (" + change_text(c) + ")";
-}
-
-std::string to_csv(const CheckReport& report, const Style&) {
-  std::string out = "quantity,statistic,at_most,value,unit,met,at_least,spec,baseline\r\n";
-  for (const SpecCheck& check : report.specs)
-    for (std::size_t i = 0; i < check.results.size(); ++i) {
-      const Requirement& r = check.analysis.spec.requirements[i];
-      const auto limit = [&](bool wanted) { return wanted ? csv_number(r.limit) : std::string(); };
-      out += csv_cell(r.quantity) + ',' + r.statistic + ',' + limit(!r.at_least) + ',' +
-             csv_number(check.results[i].value) + ',' + r.unit + ',' +
-             (check.results[i].met ? "true" : "false") + ',' + limit(r.at_least) + ',' +
-             csv_cell(check.analysis.spec.file) + ",\r\n";
-    }
-  for (const SpecCheck& check : report.specs)
-    if (check.baseline)
-      for (const FigureChange& c : check.baseline->regressions)
-        out += csv_cell(c.figure.quantity) + ',' + c.figure.statistic + ",," + csv_number(c.b) + ',' +
-               c.figure.unit + ",false,," + csv_cell(check.analysis.spec.file) + ',' + csv_number(c.a) +
-               "\r\n";
-  return out;
-}
-
 namespace {
 
 using Result = In<RequirementResult, SpecCheck>;
@@ -86,62 +32,6 @@ std::optional<ReportedProof> proof_of_result(const Result& r) {
 std::string required(const JudgedRequirement& r) { return r.figure.name(); }
 
 using Regression = In<FigureChange, BaselineCheck>;
-
-}  // namespace
-
-RowsOf<Result> rows(Of<Result>) {
-  return requirement_rows<Result>(requirement, "absent for a figure of a filter", "either this or at_least",
-                                  "")
-      .with({{"proven", proof_of_result, "of the statistic proven_max", optional}});
-}
-
-RowsOf<BaselineCheck> rows(Of<BaselineCheck>) {
-  return {{"file", &BaselineCheck::file},
-          {"tolerance", &BaselineCheck::tolerance, "relative"},
-          {"compared", &BaselineCheck::compared, "figures that both have"},
-          {"missing", [](auto& b) { return each(b.missing, &NamedFigure::name); },
-           "figures that only the baseline has"},
-          {"dropped_requirements", [](auto& b) { return each(b.dropped_requirements, required); },
-           "that only the baseline has"},
-          {"not_in_baseline", [](auto& b) { return each(b.not_in_baseline, &NamedFigure::name); },
-           "required figures that it lacks"}};
-}
-
-RowsOf<Regression> rows(Of<Regression>) {
-  return {{"quantity", [](auto& c) { return c->figure.quantity; }},
-          {"statistic", [](auto& c) { return c->figure.statistic; }, "empty: a figure of a filter"},
-          {"unit", [](auto& c) { return c->figure.unit; }},
-          {"baseline", &FigureChange::a, "null: unbounded"},
-          {"value", &FigureChange::b, "null: unbounded"},
-          {"change", &FigureChange::relative, "relative; null: from zero, or to unbounded", nullable}};
-}
-
-RowsOf<SpecCheck> rows(Of<SpecCheck>) {
-  return analysis_header<SpecCheck>("check", [](const SpecCheck& c) -> const Analysis& { return c.analysis; })
-      .with({{"requirements", within(&SpecCheck::results)},
-             {"baseline", &SpecCheck::baseline, "with --baseline", optional},
-             {"regressions",
-              [](auto& c) {
-                const auto regressions = within(&BaselineCheck::regressions);
-                return c.baseline ? std::optional(regressions(*c.baseline)) : std::nullopt;
-              },
-              "with --baseline: figures that are worse", optional},
-             {"met", &SpecCheck::all_met, "all requirements, and no figure is worse"},
-             {"warnings", [](auto& c) { return c.analysis.warnings; }}});
-}
-
-RowsOf<BrokenSpec> rows(Of<BrokenSpec>) {
-  return {{"file", &BrokenSpec::file}, {"error", [](auto& b) { return b.error.what(); }}};
-}
-
-RowsOf<CheckReport> rows(Of<CheckReport>) {
-  return header<CheckReport>("check").with(
-      {{"reports", &CheckReport::specs, "one for each spec, if there are several"},
-       {"broken", &CheckReport::broken, "specs that cannot be checked"},
-       {"met", &CheckReport::all_met, "all of all"}});
-}
-
-namespace {
 
 std::string table_of(const SpecCheck& check, const Style& style) {
   TableRows rows;
@@ -194,41 +84,6 @@ std::string baseline_table(const BaselineCheck& b, const Style& style) {
                    style.width, "  ");
   return out;
 }
-
-}  // namespace
-
-std::string to_table(const CheckReport& report, const Style& style) {
-  std::string out;
-  std::size_t failed = 0, count = 0, worse = 0;
-  const bool several = report.specs.size() + report.broken.size() > 1;
-  for (const SpecCheck& check : report.specs) {
-    if (several) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
-    out += table_of(check, style);
-    if (check.baseline) {
-      out += baseline_table(*check.baseline, style);
-      worse += check.baseline->regressions.size();
-    }
-    for (const RequirementResult& result : check.results) failed += !result.met;
-    count += check.results.size();
-  }
-  for (const BrokenSpec& b : report.broken)
-    out += painted(shown(b.file), Paint::bold, style) + "\n" +
-           painted("  cannot be checked", Paint::red, style) + '\n';
-  if (worse > 0)
-    out += painted(counted(worse, "figure") + " worse than in the baseline", Paint::red, style) + '\n';
-  if (count == 0) return out;
-  const std::string all = counted(count, "requirement");
-  const std::string unchecked =
-      report.broken.empty()
-          ? ""
-          : painted(counted(report.broken.size(), "spec") + " not checked", Paint::red, style) + '\n';
-  return out + unchecked +
-         (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)
-                 : painted(all + " met", Paint::green, style)) +
-         '\n';
-}
-
-namespace {
 
 std::string title_of(const CheckReport& report) {
   const std::size_t count = report.specs.size() + report.broken.size();
@@ -299,11 +154,10 @@ std::string fleet_table(const CheckReport& report) {
                      t.part < 0 ? "" : percent(t.part),
                      check.baseline ? std::to_string(check.baseline->regressions.size()) : ""}});
   }
-  std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(rows, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> heads{
       "spec", "verdict", "met", "tightest", "takes of its limit", "worse than the baseline"};
-  if (std::none_of(report.specs.begin(), report.specs.end(),
-                   [](const SpecCheck& check) { return check.baseline.has_value(); }))
+  if (std::ranges::none_of(report.specs, [](const SpecCheck& check) { return check.baseline.has_value(); }))
     heads.pop_back();
   TableRows cells;
   for (auto& [order, row] : rows) {
@@ -339,6 +193,142 @@ std::vector<std::string> shared_warnings(const CheckReport& report) {
 }
 
 }  // namespace
+
+bool SpecCheck::all_met() const {
+  return std::ranges::all_of(results, &RequirementResult::met) &&
+         (!baseline || baseline->regressions.empty());
+}
+
+SpecCheck check(const Spec& spec, const WorkspaceOptions& options, const Baseline* baseline,
+                const ProofRequest& proofs) {
+  if (spec.requirements.empty() && !baseline)
+    throw spec_error(spec, "requirements", "the spec has none: there is nothing to check", "",
+                     "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
+                     "earlier report: --baseline OLD.json");
+  SpecCheck report = evaluate(spec, options, proofs);
+  if (!baseline) return report;
+  report.baseline = against(*baseline, named_figures(report));
+  append(report.analysis.warnings, report.baseline->warnings);
+  return report;
+}
+
+bool CheckReport::all_met() const {
+  return broken.empty() && std::ranges::all_of(specs, &SpecCheck::all_met);
+}
+
+std::string verdict(const BaselineCheck& b) {
+  const std::string tolerance = b.tolerance > 0 ? " by more than " + percent(b.tolerance) : "";
+  return (b.regressions.empty() ? "none" : std::to_string(b.regressions.size())) + " of " +
+         counted(b.compared, "figure") + " worse than in " + b.file + tolerance;
+}
+
+std::string verdict(const FigureChange& c) {
+  return c.figure.name() + " was " + readable(*c.a, c.figure.unit) + " and is " +
+         readable(*c.b, c.figure.unit) + " (" + change_text(c) + ")";
+}
+
+std::string to_csv(const CheckReport& report, const Style&) {
+  std::string out = "quantity,statistic,at_most,value,unit,met,at_least,spec,baseline\r\n";
+  for (const SpecCheck& check : report.specs)
+    for (std::size_t i = 0; i < check.results.size(); ++i) {
+      const Requirement& r = check.analysis.spec.requirements[i];
+      const auto limit = [&](bool wanted) { return wanted ? csv_number(r.limit) : std::string(); };
+      out += csv_cell(r.quantity) + ',' + r.statistic + ',' + limit(!r.at_least) + ',' +
+             csv_number(check.results[i].value) + ',' + r.unit + ',' +
+             (check.results[i].met ? "true" : "false") + ',' + limit(r.at_least) + ',' +
+             csv_cell(check.analysis.spec.file) + ",\r\n";
+    }
+  for (const SpecCheck& check : report.specs)
+    if (check.baseline)
+      for (const FigureChange& c : check.baseline->regressions)
+        out += csv_cell(c.figure.quantity) + ',' + c.figure.statistic + ",," + csv_number(c.b) + ',' +
+               c.figure.unit + ",false,," + csv_cell(check.analysis.spec.file) + ',' + csv_number(c.a) +
+               "\r\n";
+  return out;
+}
+
+RowsOf<Result> rows(Of<Result>) {
+  return requirement_rows<Result>(requirement, "absent for a figure of a filter", "either this or at_least",
+                                  "")
+      .with({{"proven", proof_of_result, "of the statistic proven_max", optional}});
+}
+
+RowsOf<BaselineCheck> rows(Of<BaselineCheck>) {
+  return {{"file", &BaselineCheck::file},
+          {"tolerance", &BaselineCheck::tolerance, "relative"},
+          {"compared", &BaselineCheck::compared, "figures that both have"},
+          {"missing", [](auto& b) { return each(b.missing, &NamedFigure::name); },
+           "figures that only the baseline has"},
+          {"dropped_requirements", [](auto& b) { return each(b.dropped_requirements, required); },
+           "that only the baseline has"},
+          {"not_in_baseline", [](auto& b) { return each(b.not_in_baseline, &NamedFigure::name); },
+           "required figures that it lacks"}};
+}
+
+RowsOf<Regression> rows(Of<Regression>) {
+  return {{"quantity", [](auto& c) { return c->figure.quantity; }},
+          {"statistic", [](auto& c) { return c->figure.statistic; }, "empty: a figure of a filter"},
+          {"unit", [](auto& c) { return c->figure.unit; }},
+          {"baseline", &FigureChange::a, "null: unbounded"},
+          {"value", &FigureChange::b, "null: unbounded"},
+          {"change", &FigureChange::relative, "relative; null: from zero, or to unbounded", nullable}};
+}
+
+RowsOf<SpecCheck> rows(Of<SpecCheck>) {
+  return analysis_header<SpecCheck>("check", [](const SpecCheck& c) -> const Analysis& { return c.analysis; })
+      .with({{"requirements", within(&SpecCheck::results)},
+             {"baseline", &SpecCheck::baseline, "with --baseline", optional},
+             {"regressions",
+              [](auto& c) {
+                const auto regressions = within(&BaselineCheck::regressions);
+                return c.baseline ? std::optional(regressions(*c.baseline)) : std::nullopt;
+              },
+              "with --baseline: figures that are worse", optional},
+             {"met", &SpecCheck::all_met, "all requirements, and no figure is worse"},
+             {"warnings", [](auto& c) { return c.analysis.warnings; }}});
+}
+
+RowsOf<BrokenSpec> rows(Of<BrokenSpec>) {
+  return {{"file", &BrokenSpec::file}, {"error", [](auto& b) { return b.error.what(); }}};
+}
+
+RowsOf<CheckReport> rows(Of<CheckReport>) {
+  return header<CheckReport>("check").with(
+      {{"reports", &CheckReport::specs, "one for each spec, if there are several"},
+       {"broken", &CheckReport::broken, "specs that cannot be checked"},
+       {"met", &CheckReport::all_met, "all of all"}});
+}
+
+std::string to_table(const CheckReport& report, const Style& style) {
+  std::string out;
+  std::size_t failed = 0, count = 0, worse = 0;
+  const bool several = report.specs.size() + report.broken.size() > 1;
+  for (const SpecCheck& check : report.specs) {
+    if (several) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
+    out += table_of(check, style);
+    if (check.baseline) {
+      out += baseline_table(*check.baseline, style);
+      worse += check.baseline->regressions.size();
+    }
+    for (const RequirementResult& result : check.results) failed += !result.met;
+    count += check.results.size();
+  }
+  for (const BrokenSpec& b : report.broken)
+    out += painted(shown(b.file), Paint::bold, style) + "\n" +
+           painted("  cannot be checked", Paint::red, style) + '\n';
+  if (worse > 0)
+    out += painted(counted(worse, "figure") + " worse than in the baseline", Paint::red, style) + '\n';
+  if (count == 0) return out;
+  const std::string all = counted(count, "requirement");
+  const std::string unchecked =
+      report.broken.empty()
+          ? ""
+          : painted(counted(report.broken.size(), "spec") + " not checked", Paint::red, style) + '\n';
+  return out + unchecked +
+         (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)
+                 : painted(all + " met", Paint::green, style)) +
+         '\n';
+}
 
 page::Page page_of(const CheckReport& report) {
   page::Page page{title_of(report), answer_of(report), {}};

@@ -15,16 +15,6 @@
 
 namespace qerr {
 
-double relative_change(double a, double b) {
-  // Sums over configurations differ by some 1e-12 between processors: that is no change of a design.
-  constexpr double same = 1e-9;
-  if (a == b) return 0;
-  if (std::isinf(a)) return -1;
-  if (a == 0 || std::isinf(b)) return std::copysign(std::numeric_limits<double>::infinity(), b);
-  const double change = (b - a) / std::abs(a);
-  return std::abs(change) <= same ? 0 : change;
-}
-
 namespace {
 
 Error report_error(const std::string& file, const std::string& key, const std::string& rule,
@@ -79,7 +69,7 @@ std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigur
     const auto rounded = [&](double x) { return std::abs(x) <= zeros[f.unit] ? 0 : x; };
     changes.back() = {*other, f.value, other->value,
                       relative_change(rounded(f.value), rounded(other->value))};
-    seen[static_cast<std::size_t>(other - b.figures.data())] = true;
+    seen[other - b.figures.data()] = true;
   }
   for (std::size_t i = 0; i < seen.size(); ++i)
     if (!seen[i]) changes.push_back({b.figures[i], {}, b.figures[i].value, missing});
@@ -87,8 +77,8 @@ std::vector<FigureChange> figure_changes(const NamedFigures& a, const NamedFigur
   const auto size = [](const FigureChange& c) {
     return c.in_both() ? rounded_to(std::abs(c.relative), 9) : -1;
   };
-  std::stable_sort(changes.begin(), changes.end(),
-                   [&](const FigureChange& x, const FigureChange& y) { return size(x) > size(y); });
+  std::ranges::stable_sort(changes,
+                           [&](const FigureChange& x, const FigureChange& y) { return size(x) > size(y); });
   return changes;
 }
 
@@ -96,17 +86,22 @@ std::vector<ShareChange> share_changes(const NamedFigures& a, const NamedFigures
   std::vector<ShareChange> changes;
   for (const EncoderShare& s : a.shares) changes.push_back({s.encoder, s.share, {}});
   for (const EncoderShare& s : b.shares) {
-    const auto known = std::find_if(changes.begin(), changes.end(),
-                                    [&](const ShareChange& c) { return c.encoder == s.encoder; });
+    const auto known =
+        std::ranges::find_if(changes, [&](const ShareChange& c) { return c.encoder == s.encoder; });
     if (known == changes.end())
       changes.push_back({s.encoder, {}, s.share});
     else
       known->b = s.share;
   }
   const auto size = [](const ShareChange& c) { return std::abs(c.b.value_or(0) - c.a.value_or(0)); };
-  std::stable_sort(changes.begin(), changes.end(),
-                   [&](const ShareChange& x, const ShareChange& y) { return size(x) > size(y); });
+  std::ranges::stable_sort(changes,
+                           [&](const ShareChange& x, const ShareChange& y) { return size(x) > size(y); });
   return changes;
+}
+
+/// Whether both limit the same figure from the same side.
+bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b) {
+  return same_figure(a.figure, b.figure) && a.at_least == b.at_least;
 }
 
 /// Requirements are the same if they limit the same figure from the same side; repeated ones in their order.
@@ -114,8 +109,8 @@ std::vector<RequirementChange> requirement_changes(const NamedFigures& a, const 
   std::vector<RequirementChange> changes;
   for (const JudgedRequirement& r : a.requirements) changes.push_back({r, {}});
   for (const JudgedRequirement& r : b.requirements) {
-    const auto known = std::find_if(changes.begin(), changes.end(),
-                                    [&](const RequirementChange& c) { return !c.b && same_limit(*c.a, r); });
+    const auto known = std::ranges::find_if(
+        changes, [&](const RequirementChange& c) { return !c.b && same_limit(*c.a, r); });
     if (known == changes.end())
       changes.push_back({{}, r});
     else
@@ -127,25 +122,12 @@ std::vector<RequirementChange> requirement_changes(const NamedFigures& a, const 
     const double in_b = r.b ? margin(*r.b) : std::numeric_limits<double>::quiet_NaN();
     return std::pair(r.a && r.b ? 1 : 2, std::isnan(in_b) ? std::numeric_limits<double>::infinity() : in_b);
   };
-  std::stable_sort(
-      changes.begin(), changes.end(),
-      [&](const RequirementChange& x, const RequirementChange& y) { return order(x) < order(y); });
+  std::ranges::stable_sort(
+      changes, [&](const RequirementChange& x, const RequirementChange& y) { return order(x) < order(y); });
   return changes;
 }
 
-}  // namespace
-
-double margin(const JudgedRequirement& r) { return margin(r.figure.value, r.limit, r.at_least); }
-
-std::optional<double> RequirementChange::flips_after() const {
-  if (!flipped()) return std::nullopt;
-  // The limit is B's: where both differ, the requirement that A's figure is compared with changes at once.
-  const double from = a->figure.value, to = b->figure.value, limit = b->limit;
-  if (!std::isfinite(from)) return 1;  // of what was unbounded, only B is below the limit
-  if (!std::isfinite(to) || from == to) return 0;
-  return std::clamp((limit - from) / (to - from), 0.0, 1.0);
-}
-
+/// What makes the figures of two reports hard to compare.
 std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedFigures& b) {
   std::vector<std::string> warnings;
   const auto differ = [&](const std::string& x, const std::string& y) {
@@ -159,32 +141,8 @@ std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedF
   return warnings;
 }
 
-const NamedFigure* find_figure(const NamedFigures& in, const NamedFigure& like) {
-  const auto found = std::find_if(in.figures.begin(), in.figures.end(),
-                                  [&](const NamedFigure& f) { return same_figure(f, like); });
-  return found == in.figures.end() ? nullptr : &*found;
-}
-
-bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b) {
-  return same_figure(a.figure, b.figure) && a.at_least == b.at_least;
-}
-
-ReportComparison compare(NamedFigures a, NamedFigures b) {
-  require_comparable(a, b);
-  ReportComparison c;
-  c.figures = figure_changes(a, b);
-  c.shares = share_changes(a, b);
-  c.requirements = requirement_changes(a, b);
-  c.warnings = comparison_warnings(a, b);
-  c.a = std::move(a);
-  c.b = std::move(b);
-  return c;
-}
-
-namespace {
-
 bool has_limit(const NamedFigures& report, const NamedFigure& f, bool at_least) {
-  return std::any_of(report.requirements.begin(), report.requirements.end(), [&](const JudgedRequirement& r) {
+  return std::ranges::any_of(report.requirements, [&](const JudgedRequirement& r) {
     return same_figure(r.figure, f) && r.at_least == at_least;
   });
 }
@@ -201,6 +159,45 @@ bool is_worse(const FigureChange& c, double tolerance, const NamedFigures& old, 
 }
 
 }  // namespace
+
+double relative_change(double a, double b) {
+  // Sums over configurations differ by some 1e-12 between processors: that is no change of a design.
+  constexpr double same = 1e-9;
+  if (a == b) return 0;
+  if (std::isinf(a)) return -1;
+  if (a == 0 || std::isinf(b)) return std::copysign(std::numeric_limits<double>::infinity(), b);
+  const double change = (b - a) / std::abs(a);
+  return std::abs(change) <= same ? 0 : change;
+}
+
+double margin(const JudgedRequirement& r) { return margin(r.figure.value, r.limit, r.at_least); }
+
+std::optional<double> RequirementChange::flips_after() const {
+  if (!flipped()) return std::nullopt;
+  // The limit is B's: where both differ, the requirement that A's figure is compared with changes at once.
+  const double from = a->figure.value, to = b->figure.value, limit = b->limit;
+  if (!std::isfinite(from)) return 1;  // of what was unbounded, only B is below the limit
+  if (!std::isfinite(to) || from == to) return 0;
+  return std::clamp((limit - from) / (to - from), 0.0, 1.0);
+}
+
+const NamedFigure* find_figure(const NamedFigures& in, const NamedFigure& like) {
+  const auto found =
+      std::ranges::find_if(in.figures, [&](const NamedFigure& f) { return same_figure(f, like); });
+  return found == in.figures.end() ? nullptr : &*found;
+}
+
+ReportComparison compare(NamedFigures a, NamedFigures b) {
+  require_comparable(a, b);
+  ReportComparison c;
+  c.figures = figure_changes(a, b);
+  c.shares = share_changes(a, b);
+  c.requirements = requirement_changes(a, b);
+  c.warnings = comparison_warnings(a, b);
+  c.a = std::move(a);
+  c.b = std::move(b);
+  return c;
+}
 
 Baselines read_baselines(const std::string& text, const std::string& file, double tolerance) {
   Baselines baselines;
@@ -259,13 +256,14 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
                        check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
                        "write it anew with the same coordinates and filters: qerr analyze SPEC -o OLD.json");
   for (const JudgedRequirement& r : old.requirements)
-    if (std::none_of(now.requirements.begin(), now.requirements.end(),
-                     [&](const JudgedRequirement& other) { return same_limit(r, other); }))
+    if (std::ranges::none_of(now.requirements,
+                             [&](const JudgedRequirement& other) { return same_limit(r, other); }))
       check.dropped_requirements.push_back(r);
   for (const JudgedRequirement& r : now.requirements)
     if (!find_figure(old, r.figure) &&
-        std::none_of(old.requirements.begin(), old.requirements.end(),
-                     [&](const JudgedRequirement& other) { return other.figure.name() == r.figure.name(); }))
+        std::ranges::none_of(old.requirements, [&](const JudgedRequirement& other) {
+          return other.figure.name() == r.figure.name();
+        }))
       check.not_in_baseline.push_back(r.figure);
   return check;
 }

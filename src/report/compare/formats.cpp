@@ -41,7 +41,7 @@ bool repeats_another(const FigureChange& f, const std::vector<FigureChange>& all
   const auto same = [&](double x, double y) {
     return readable(x, f.figure.unit) == readable(y, f.figure.unit);
   };
-  return std::any_of(all.begin(), all.end(), [&](const FigureChange& o) {
+  return std::ranges::any_of(all, [&](const FigureChange& o) {
     return o.figure.quantity == linear && o.figure.statistic == f.figure.statistic && o.in_both() &&
            same(*o.a, *f.a) && same(*o.b, *f.b);
   });

@@ -161,8 +161,7 @@ NamedFigure required_figure(const ReportMember& r) {
   f.quantity = r.at("quantity").text();
   if (const auto statistic = r.find("statistic")) f.statistic = statistic->text();
   if (f.statistic == "median") f.statistic = "p50";
-  if (!f.statistic.empty() && std::count(f.quantity.begin(), f.quantity.end(), '.') == 1)
-    f.quantity = "position." + f.quantity;
+  if (!f.statistic.empty() && std::ranges::count(f.quantity, '.') == 1) f.quantity = "position." + f.quantity;
   f.unit = r.at("unit").text();
   f.value = r.at("value").number_or(unbounded);
   return f;

@@ -14,9 +14,6 @@ inline bool same_figure(const NamedFigure& a, const NamedFigure& b) {
 /// Finds a figure in another report; null if it has none like it.
 const NamedFigure* find_figure(const NamedFigures&, const NamedFigure& like);
 
-/// What makes the figures of two reports hard to compare.
-std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedFigures& b);
-
 /// The figures of a spec beside those of a baseline.
 BaselineCheck against(const Baseline&, const NamedFigures& now);
 
@@ -34,8 +31,5 @@ std::string verdict(const FigureChange& regression);
 
 /// Quantities that a person is told of; the others are counted.
 inline constexpr std::size_t most_regressions = 10;
-
-/// Whether both limit the same figure from the same side.
-bool same_limit(const JudgedRequirement& a, const JudgedRequirement& b);
 
 }  // namespace qerr

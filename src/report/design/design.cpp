@@ -192,9 +192,9 @@ class DesignJob {
 
   /// How slow errors of a design are judged where sigma behind a filter is required.
   void state_assumption(const FoundDesign& found) {
-    const bool asked = std::any_of(
-        problem_->base().requirements.begin(), problem_->base().requirements.end(),
-        [](const Requirement& r) { return r.limits_error() && r.filter >= 0 && r.bound == Bound::sigma; });
+    const bool asked = std::ranges::any_of(problem_->base().requirements, [](const Requirement& r) {
+      return r.limits_error() && r.filter >= 0 && r.bound == Bound::sigma;
+    });
     if (!asked) return;
     const Spec spec = problem_->variant(found.choice, solver_->set(found));
     const std::string text = slow_error_assumption(spec, effect_report(spec).shares);
@@ -271,7 +271,7 @@ class DesignJob {
   double best_of_filters(const Requirement& r) const {
     double best = r.at_least ? -none : none;
     for (const FilterSet& set : solver_->sets()) {
-      const NamedFilter& f = set.filters[static_cast<std::size_t>(r.filter)];
+      const NamedFilter& f = set.filters[r.filter];
       const double value = r.figure->value(f.filter, f.norms).value_or(r.at_least ? -none : none);
       best = r.at_least ? std::max(best, value) : std::min(best, value);
     }
@@ -306,13 +306,12 @@ class DesignJob {
     for (std::size_t i = 0; i < stated_; ++i) {
       const ChoiceFigure& figure = problem.figures[i];
       const bool varies =
-          figure.sums.empty() ||
-          std::any_of(figure.sums.begin(), figure.sums.end(), [&](const WeightedSum& sum) {
-            return std::any_of(sum.columns.begin(), sum.columns.end(), [&](const WeightedColumn& c) {
+          figure.sums.empty() || std::ranges::any_of(figure.sums, [&](const WeightedSum& sum) {
+            return std::ranges::any_of(sum.columns, [&](const WeightedColumn& c) {
               const bool moves = std::any_of(c.coefficients, c.coefficients + problem.configurations,
                                              [](double a) { return a > 1e-12; });
-              return moves && std::any_of(c.weights.begin(), c.weights.end(),
-                                          [&](double w) { return w != c.weights.front(); });
+              return moves &&
+                     std::ranges::any_of(c.weights, [&](double w) { return w != c.weights.front(); });
             });
           });
       const bool of_loop = requirement(i).of_control && request_.filters.size() + request_.gains.size() > 0;
@@ -339,7 +338,7 @@ class DesignJob {
   }
 
   bool filter_chosen(std::ptrdiff_t filter) const {
-    return std::any_of(request_.filters.begin(), request_.filters.end(), [&](const FilterOptions& f) {
+    return std::ranges::any_of(request_.filters, [&](const FilterOptions& f) {
       return static_cast<std::ptrdiff_t>(f.filter) == filter;
     });
   }
@@ -424,7 +423,7 @@ class DesignJob {
     for (const PricedOption& option : all[first]) {
       FoundDesign d{0, set, {}};
       for (std::size_t j = 0; j < all.size(); ++j) {
-        const auto same = std::find_if(all[j].begin(), all[j].end(), [&](const PricedOption& o) {
+        const auto same = std::ranges::find_if(all[j], [&](const PricedOption& o) {
           return !problem_->chosen(j) || o.option.name == option.option.name;
         });
         if (same == all[j].end()) break;

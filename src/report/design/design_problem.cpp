@@ -41,7 +41,7 @@ void set_figures(PricedOption& o, const Spec& spec, std::size_t joint) {
 /// A fault of an option; of a row that several joints may have, once.
 void add_fault(Fault fault, const std::string& option, std::vector<Fault>& to) {
   fault.rule += " (option " + quoted(option) + ")";
-  if (std::none_of(to.begin(), to.end(), [&](const Fault& known) {
+  if (std::ranges::none_of(to, [&](const Fault& known) {
         return known.place.line == fault.place.line && known.place.file == fault.place.file &&
                known.rule == fault.rule;
       }))
@@ -125,8 +125,8 @@ void DesignProblem::read_options(const DesignRequest& request) {
   for (auto& options : options_) {
     for (PricedOption& o : options)
       if (!o.option.name.empty()) o.cost = std::llround(millionths * (by_bits_ ? o.bits : *o.price));
-    std::stable_sort(options.begin(), options.end(),
-                     [](const PricedOption& a, const PricedOption& b) { return a.cost < b.cost; });
+    std::ranges::stable_sort(options,
+                             [](const PricedOption& a, const PricedOption& b) { return a.cost < b.cost; });
   }
 }
 
@@ -229,7 +229,8 @@ void DesignProblem::make_columns() {
     for (IndependentError& source : report.sources) {
       source.mean = source.half_width = source.sigma = 0;
       source.sigma_ratios.clear();
-      const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const IndependentError& other) {
+      source.loop_ratios.clear();
+      const bool known = std::ranges::any_of(sources_, [&](const IndependentError& other) {
         return other.where == source.where && other.owner == source.owner && other.link == source.link &&
                other.direction == source.direction;
       });
@@ -310,8 +311,8 @@ bool DesignProblem::of_loops(const Requirement& r) const {
 /// The sums of loops and walls with a set of filters, which the figures of its problem borrow; null where no
 /// requirement needs them.
 ControlSums* DesignProblem::control_sums(const FilterSet& set) {
-  const auto figures = std::count_if(base_.requirements.begin(), base_.requirements.end(),
-                                     [&](const Requirement& r) { return of_loops(r); });
+  const auto figures =
+      std::ranges::count_if(base_.requirements, [&](const Requirement& r) { return of_loops(r); });
   if (figures == 0) return nullptr;
   kept_numbers_ +=
       static_cast<double>(figures) * static_cast<double>(columns_->configurations() * options_.size());

@@ -33,7 +33,7 @@ bool DesignSolver::filters_meet(std::size_t set, const std::vector<double>& limi
   for (std::size_t i = 0; i < requirements.size(); ++i) {
     const Requirement& r = requirements[i];
     if (!r.figure || std::isinf(limits[i])) continue;
-    const NamedFilter& f = sets_[set].filters[static_cast<std::size_t>(r.filter)];
+    const NamedFilter& f = sets_[set].filters[r.filter];
     const std::optional<double> value = r.figure->value(f.filter, f.norms);
     Requirement limited = r;
     limited.limit = limits[i];
@@ -75,13 +75,12 @@ DesignFindings DesignSolver::find(const DesignQuery& query) {
       all.bound = std::min(all.bound, found.bound);
     }
     for (const FoundDesign& d : found.best) {
-      const bool known = std::any_of(all.best.begin(), all.best.end(), [&](const FoundDesign& other) {
-        return any_encoder_ && other.choice == d.choice;
-      });
+      const bool known = std::ranges::any_of(
+          all.best, [&](const FoundDesign& other) { return any_encoder_ && other.choice == d.choice; });
       if (!known) all.best.push_back(d);
     }
-    std::stable_sort(all.best.begin(), all.best.end(),
-                     [](const FoundDesign& a, const FoundDesign& b) { return a.cost < b.cost; });
+    std::ranges::stable_sort(all.best,
+                             [](const FoundDesign& a, const FoundDesign& b) { return a.cost < b.cost; });
     if (all.best.size() > query.wanted) all.best.resize(query.wanted);
   }
   if (!all.best.empty()) all.bound = std::min(all.bound, all.best.front().cost);
@@ -93,7 +92,7 @@ double DesignSolver::largest(const FoundDesign& d, const std::vector<DesignGoal>
   const std::vector<Requirement>& all = problem_.base().requirements;
   const std::vector<double> none(all.size(), std::numeric_limits<double>::infinity());
   const bool proof =
-      std::any_of(goals.begin(), goals.end(), [&](const DesignGoal& g) { return all[g.requirement].proven; });
+      std::ranges::any_of(goals, [&](const DesignGoal& g) { return all[g.requirement].proven; });
   const auto results = problem_.results(d.choice, sets_[d.set], proof ? nullptr : &none);
   double most = 0;
   for (const DesignGoal& g : goals) most = std::max(most, results[g.requirement].value / g.scale);
@@ -175,10 +174,10 @@ DesignFindings DesignSolver::minimize_of_filter(std::size_t goal, const DesignQu
   const Requirement& r = problem_.base().requirements[goal];
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t s = 0; s < sets_.size(); ++s) {
-    const NamedFilter& f = sets_[s].filters[static_cast<std::size_t>(r.filter)];
+    const NamedFilter& f = sets_[s].filters[r.filter];
     if (const auto v = r.figure->value(f.filter, f.norms)) order.emplace_back(*v, s);
   }
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   DesignFindings findings;
   DesignQuery one = query;
   one.wanted = 1;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bound/signals/signals.hpp"
 #include "control/control.hpp"
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
@@ -55,7 +56,7 @@ bool same_along_motion(const ErrorWeights& a, const ErrorWeights& b) {
 /// Weights of a column in a worst case: half width + sign * mean, behind the requirement's filter.
 double worst_weight(const Requirement& r, const ErrorWeights& w, Eigen::Index k, double sign) {
   if (r.filter < 0) return w.half_width[k] + sign * w.mean[k];
-  const ErrorWeights::Filtered& f = w.filtered[static_cast<std::size_t>(r.filter)];
+  const ErrorWeights::Filtered& f = w.filtered[r.filter];
   return f.l1 * w.half_width[k] + sign * f.dc_gain * w.mean[k];
 }
 
@@ -64,17 +65,15 @@ void add_column(WeightedSum& sum, std::size_t column, const double* coefficients
                 const OptionWeights& weights, Weight weight) {
   const std::size_t j = weights.owners[column];
   WeightedColumn added{j, coefficients, {}};
-  for (const ErrorWeights& w : weights.options[j])
-    added.weights.push_back(weight(w, static_cast<Eigen::Index>(column)));
-  if (std::any_of(added.weights.begin(), added.weights.end(), [](double w) { return w != 0; }))
+  for (const ErrorWeights& w : weights.options[j]) added.weights.push_back(weight(w, column));
+  if (std::ranges::any_of(added.weights, [](double w) { return w != 0; }))
     sum.columns.push_back(std::move(added));
 }
 
 /// Whether no option gives the column's error a mean.
 bool is_symmetric(const OptionWeights& weights, std::size_t column) {
   const auto& options = weights.options[weights.owners[column]];
-  return std::all_of(options.begin(), options.end(),
-                     [&](const ErrorWeights& w) { return w.mean[static_cast<Eigen::Index>(column)] == 0; });
+  return std::ranges::all_of(options, [&](const ErrorWeights& w) { return w.mean[column] == 0; });
 }
 
 /// The direction in which the sum of +-g_i is longest, by ascent from each generator: a local maximum, which
@@ -114,7 +113,7 @@ void find_owners(OptionWeights& weights, const Spec& spec) {
       const std::string name = quoted(spec.model.chain.independent[j].name);
       weights.along_motion = weights.along_motion || !same_along_motion(w, weights.stated);
       for (std::size_t k = 0; k < columns; ++k) {
-        if (!vary(w, weights.stated, static_cast<Eigen::Index>(k))) continue;
+        if (!vary(w, weights.stated, k)) continue;
         if (owned[k] && weights.owners[k] != j)
           throw spec_error(spec, "effects",
                            "the options of joint " + name + " change the errors of another one", "",
@@ -145,7 +144,7 @@ std::size_t FigureSums::component(const Requirement& r, std::size_t axis) const 
   const Coordinate length = *all_signals(spec_.model)[r.signal].coordinate;
   const auto wanted = static_cast<Coordinate>(static_cast<std::size_t>(first_component(length)) + axis);
   const auto& all = spec_.model.coordinates;
-  return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
+  return std::ranges::find(all, wanted) - all.begin();
 }
 
 bool FigureSums::is_of_length(const Requirement& r) const {
@@ -191,7 +190,7 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
       r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
   WeightedSum sum;
   for (std::size_t axis = 0; axis < (length ? 3 : 1) && !alone && !weights.along_motion; ++axis)
-    sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : row_of(r))];
+    sum.added += added[length ? component(r, axis) : row_of(r)];
   for (std::size_t k = 0; k < columns_.columns(); ++k)
     add_column(sum, k, length ? squares_of_length(r, k) : part(row_of(r), k, ColumnPart::square), weights,
                [&](const ErrorWeights& w, Eigen::Index column) {
@@ -211,7 +210,7 @@ std::vector<WeightedSum> FigureSums::worst_sums(const Requirement& r, const Opti
       r.filter < 0 ? weights.stated.added_worst : weights.stated.filtered[f].added_worst;
   std::vector<WeightedSum> sums(weights.biased ? 2 : 1);
   for (std::size_t s = 0; s < sums.size(); ++s) {
-    sums[s].added = weights.along_motion ? 0 : added[static_cast<Eigen::Index>(coordinate)];
+    sums[s].added = weights.along_motion ? 0 : added[coordinate];
     const auto add = [&](std::size_t k, ColumnPart kind, double sign) {
       add_column(
           sums[s], k, part(coordinate, k, kind), weights,
@@ -242,18 +241,17 @@ std::vector<WeightedSum> FigureSums::length_sums(const Requirement& r, const Opt
   std::vector<double> half_widths;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t j = weights.owners[k];
-    half_widths.push_back(worst_weight(r, weights.options[j][reference[j]], static_cast<Eigen::Index>(k), 0));
+    half_widths.push_back(worst_weight(r, weights.options[j][reference[j]], k, 0));
   }
-  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(count));
+  Eigen::Matrix3Xd columns(3, count);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < count; ++k)
       for (std::size_t axis = 0; axis < 3; ++axis)
-        columns(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k)) =
-            columns_.column(component(r, axis), k)[i];
-    const Eigen::Map<const Eigen::VectorXd> widths(half_widths.data(), static_cast<Eigen::Index>(count));
+        columns(axis, k) = columns_.column(component(r, axis), k)[i];
+    const Eigen::Map<const Eigen::VectorXd> widths(half_widths.data(), count);
     const Eigen::Vector3d direction = longest_direction(columns * widths.asDiagonal());
     for (std::size_t k = 0; k < count; ++k) {
-      const double along = direction.dot(columns.col(static_cast<Eigen::Index>(k)));
+      const double along = direction.dot(columns.col(k));
       positive[k][i] = std::max(along, 0.0);
       negative[k][i] = std::max(-along, 0.0);
     }
@@ -368,7 +366,7 @@ ChoiceFigure ControlSums::figure(const Requirement& r, const OptionWeights& weig
 /// The norms at each configuration, where only symmetric errors of the counts are in the figure.
 ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weights) {
   const bool worst = r.bound == Bound::worst_case;
-  const auto errors = static_cast<Eigen::Index>(spec_.model.transmission.encoders.size());
+  const auto errors = std::ssize(spec_.model.transmission.encoders);
   if (weights.biased || weights.along_motion || weights.stated.mean.size() != errors ||
       spec_.model.along_motion || (!worst && r.bound != Bound::sigma))
     return {};
@@ -389,7 +387,7 @@ ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weig
         signal.kind->norms(spec_.model, signal.index, drawn_.col(at), moved, {&batch, at % in_a_batch});
     for (Eigen::Index e = 0; e < errors; ++e) {
       const double norm = worst ? n.l1[e] : n.h2[e] * n.h2[e];
-      columns[static_cast<std::size_t>(e)][i] = std::isfinite(norm) ? norm : never;
+      columns[e][i] = std::isfinite(norm) ? norm : never;
     }
   }
   ChoiceFigure figure;
@@ -402,7 +400,7 @@ ChoiceFigure ControlSums::closed(const Requirement& r, const OptionWeights& weig
   for (std::size_t e = 0; e < columns.size(); ++e) {
     WeightedColumn column{weights.owners[e], columns[e], {}};
     for (const ErrorWeights& w : weights.options[column.joint])
-      column.weights.push_back((worst ? w.half_width : w.variance)[static_cast<Eigen::Index>(e)]);
+      column.weights.push_back((worst ? w.half_width : w.variance)[e]);
     sum.columns.push_back(std::move(column));
   }
   figure.sums = {std::move(sum)};
@@ -417,16 +415,12 @@ ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
   std::vector<double*> columns;
   for (std::size_t e = 0; e < count; ++e) columns.push_back(new_column());
   for (std::size_t i = 0; i < std::min(configurations_, configurations_of_control); ++i) {
-    const Eigen::VectorXd g =
-        felt_by(spec_.model.chain, control.walls[index], drawn_.col(static_cast<Eigen::Index>(i)));
+    const Eigen::VectorXd g = felt_by(spec_.model.chain, control.walls[index], drawn_.col(i));
     double largest = 0;
     for (Eigen::Index j = 0; j < g.size(); ++j)
-      if (g[j] != 0)
-        largest = std::max(
-            largest, std::abs(g[j]) / (2 * control.joints[static_cast<std::size_t>(j)].friction.value()));
+      if (g[j] != 0) largest = std::max(largest, std::abs(g[j]) / (2 * control.joints[j].friction.value()));
     const Eigen::VectorXd counted = (coupling.transpose() * g).cwiseAbs();
-    for (std::size_t e = 0; e < count; ++e)
-      columns[e][i] = std::min(r.limit * largest * counted[static_cast<Eigen::Index>(e)], never);
+    for (std::size_t e = 0; e < count; ++e) columns[e][i] = std::min(r.limit * largest * counted[e], never);
   }
   ChoiceFigure figure;
   const double rate = report_->walls[index].sampling;
@@ -438,7 +432,7 @@ ChoiceFigure ControlSums::wall(const Requirement& r, std::size_t index) {
 ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const WorstLoop& loop) {
   if (spec_.model.control->joints[loop.joint].reading.of_position > 0) return {};  // no sum over the counts
   const Transmission& t = spec_.model.transmission;
-  const Eigen::RowVectorXd parts = t.coupling.row(static_cast<Eigen::Index>(loop.joint)).cwiseAbs();
+  const Eigen::RowVectorXd parts = t.coupling.row(loop.joint).cwiseAbs();
   const double of_width = loop.cycle.bound / parts.dot(widths_at_rest(*spec_.model.control, resolutions(t)));
   ChoiceFigure figure;
   figure.sums = {{}};
@@ -446,8 +440,7 @@ ChoiceFigure ControlSums::limit_cycle(const Requirement& r, const WorstLoop& loo
     if (parts[e] == 0) continue;
     double* const column = new_column();
     std::fill_n(column, configurations_, of_width * parts[e] / r.limit);
-    figure.sums[0].columns.push_back(
-        {static_cast<std::size_t>(e), column, widths_[static_cast<std::size_t>(e)]});
+    figure.sums[0].columns.push_back({static_cast<std::size_t>(e), column, widths_[e]});
   }
   return figure;
 }

@@ -63,9 +63,8 @@ std::vector<ComparedFilter> undominated(std::vector<ComparedFilter> all, bool wi
     }
     if (!dominated) kept.push_back(all[i]);
   }
-  std::stable_sort(kept.begin(), kept.end(), [](const ComparedFilter& a, const ComparedFilter& b) {
-    return a.candidate.h2 < b.candidate.h2;
-  });
+  std::ranges::stable_sort(
+      kept, [](const ComparedFilter& a, const ComparedFilter& b) { return a.candidate.h2 < b.candidate.h2; });
   return kept;
 }
 
@@ -102,7 +101,7 @@ void add_ratios(const DesignProblem& problem, std::vector<ComparedFilter>& all) 
 void add_torques(const Spec& spec, const std::string& velocity, ComparedFilter& c) {
   for (const Requirement& r : spec.requirements) {
     if (!r.limits_error() || r.filter < 0) continue;
-    const NamedFilter& f = spec.filters[static_cast<std::size_t>(r.filter)];
+    const NamedFilter& f = spec.filters[r.filter];
     if (!f.controller) continue;
     JointController controller = spec.model.control->joints[f.joints.front()];
     if (controller.velocity != velocity) continue;
@@ -124,9 +123,9 @@ void keep_apart(ComparedFilter& c) {
 void add_loops(const Spec& spec, const NamedFilter& stated, ComparedFilter& c) {
   if (!spec.model.control) return;
   const auto& signals = all_signals(spec.model);
-  const bool closed =
-      std::any_of(spec.requirements.begin(), spec.requirements.end(),
-                  [&](const Requirement& r) { return r.limits_error() && is_closed(signals[r.signal]); });
+  const bool closed = std::ranges::any_of(spec.requirements, [&](const Requirement& r) {
+    return r.limits_error() && is_closed(signals[r.signal]);
+  });
   if (!closed && !any_of_control(spec)) return;
   std::vector<NamedFilter> filters = spec.filters;
   for (NamedFilter& f : filters)
@@ -267,8 +266,8 @@ FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& reques
       }
     result.sets = std::move(all);
   }
-  std::stable_sort(result.sets.begin(), result.sets.end(),
-                   [](const FilterSet& a, const FilterSet& b) { return log_noise(a) < log_noise(b); });
+  std::ranges::stable_sort(
+      result.sets, [](const FilterSet& a, const FilterSet& b) { return log_noise(a) < log_noise(b); });
   for (const GainOptions& options : request.gains) vary_gains(result.sets, options, problem.base());
   return result;
 }

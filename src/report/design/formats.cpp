@@ -81,6 +81,12 @@ std::string optimum_sentence(const DesignReport& report) {
   return text;
 }
 
+/// The bits or the price of a design, of a point of the front or of an encoder.
+template <class Priced>
+double cost(const DesignReport& r, const Priced& of) {
+  return r.by_bits ? of.bits : of.price.value_or(0);
+}
+
 /// What the runner-up changes. @pre there is one
 std::string runner_up_sentence(const DesignReport& report) {
   const Design &a = *report.optimal, &b = *report.runner_up;
@@ -95,6 +101,11 @@ std::string runner_up_sentence(const DesignReport& report) {
                            : b.encoders.empty() ? "no dearer"
                                                 : cost_of(report, b.price, b.bits);
   return "runner-up: " + cost + ", with " + listed(changes);
+}
+
+std::string row(const std::string& design, const std::string& what, const std::string& name,
+                const std::string& value, const std::string& unit) {
+  return design + ',' + what + ',' + csv_cell(name) + ',' + csv_cell(value) + ',' + csv_cell(unit) + "\r\n";
 }
 
 std::string requirement_table(const DesignReport& report, const Design& d, const Style& style) {
@@ -154,29 +165,6 @@ std::string infeasible(const DesignReport& report, const Style& style) {
            requirement_table(report, *report.finest, style);
   }
   return out;
-}
-
-}  // namespace
-
-std::string to_table(const DesignReport& report, const Style& style) {
-  if (!report.optimal) return infeasible(report, style);
-  std::string out =
-      painted(optimum_sentence(report), report.proven ? Paint::bold : Paint::yellow, style) + '\n';
-  out += choices(report, *report.optimal, style);
-  const std::string requirements = requirement_table(report, *report.optimal, style);
-  if (!requirements.empty()) out += '\n' + requirements;
-  for (const std::size_t i : report.without_influence)
-    out += wrapped("no option changes " + shown(report.spec.requirements[i].name()), style.width, "  ");
-  if (report.runner_up) out += wrapped(runner_up_sentence(report), style.width);
-  return out + front_table(report, style);
-}
-
-namespace {
-
-/// The bits or the price of a design, of a point of the front or of an encoder.
-template <class Priced>
-double cost(const DesignReport& r, const Priced& of) {
-  return r.by_bits ? of.bits : of.price.value_or(0);
 }
 
 /// Each joint's encoder with what it takes of the sum.
@@ -343,24 +331,6 @@ page::Page feasible_page(const DesignReport& r) {
            {"What each requirement costs", price_section(r)}}};
 }
 
-}  // namespace
-
-page::Page page_of(const DesignReport& r) {
-  page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
-  page.warnings = r.warnings;
-  const auto& judged = r.optimal ? r.optimal : r.finest;
-  describe(page, r.spec, judged ? std::optional(judged->results) : std::nullopt,
-           r.optimal ? "The optimum" : "The design that is nearest to all limits");
-  return page;
-}
-
-namespace {
-
-std::string row(const std::string& design, const std::string& what, const std::string& name,
-                const std::string& value, const std::string& unit) {
-  return design + ',' + what + ',' + csv_cell(name) + ',' + csv_cell(value) + ',' + csv_cell(unit) + "\r\n";
-}
-
 std::string rows_of(const DesignReport& report, const std::string& name, const std::optional<Design>& d) {
   if (!d) return "";
   std::string out = row(name, "price", "", csv_number(d->price), report.price_unit);
@@ -379,7 +349,43 @@ std::string rows_of(const DesignReport& report, const std::string& name, const s
   return out;
 }
 
+using ReportedDesign = In<Design, DesignReport>;
+using ReportedRequirement = In<RequirementResult, ReportedDesign>;
+using Best = DesignedFilter::BestLinear;
+
+std::map<std::string, std::map<std::string, double>> gains_by_joint(const Design& d) {
+  std::map<std::string, std::map<std::string, double>> all;
+  for (const DesignedGain& g : d.gains) all[g.joint][g.key] = g.value;
+  return all;
+}
+
+auto option_names(const std::vector<DesignedEncoder>& encoders) {
+  return by_name(encoders, &DesignedEncoder::joint, &DesignedEncoder::name);
+}
+
 }  // namespace
+
+std::string to_table(const DesignReport& report, const Style& style) {
+  if (!report.optimal) return infeasible(report, style);
+  std::string out =
+      painted(optimum_sentence(report), report.proven ? Paint::bold : Paint::yellow, style) + '\n';
+  out += choices(report, *report.optimal, style);
+  const std::string requirements = requirement_table(report, *report.optimal, style);
+  if (!requirements.empty()) out += '\n' + requirements;
+  for (const std::size_t i : report.without_influence)
+    out += wrapped("no option changes " + shown(report.spec.requirements[i].name()), style.width, "  ");
+  if (report.runner_up) out += wrapped(runner_up_sentence(report), style.width);
+  return out + front_table(report, style);
+}
+
+page::Page page_of(const DesignReport& r) {
+  page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
+  page.warnings = r.warnings;
+  const auto& judged = r.optimal ? r.optimal : r.finest;
+  describe(page, r.spec, judged ? std::optional(judged->results) : std::nullopt,
+           r.optimal ? "The optimum" : "The design that is nearest to all limits");
+  return page;
+}
 
 std::string to_csv(const DesignReport& report, const Style&) {
   std::string out = "design,what,name,value,unit\r\n";
@@ -399,24 +405,6 @@ std::string to_csv(const DesignReport& report, const Style&) {
   }
   return out;
 }
-
-namespace {
-
-using ReportedDesign = In<Design, DesignReport>;
-using ReportedRequirement = In<RequirementResult, ReportedDesign>;
-using Best = DesignedFilter::BestLinear;
-
-std::map<std::string, std::map<std::string, double>> gains_by_joint(const Design& d) {
-  std::map<std::string, std::map<std::string, double>> all;
-  for (const DesignedGain& g : d.gains) all[g.joint][g.key] = g.value;
-  return all;
-}
-
-auto option_names(const std::vector<DesignedEncoder>& encoders) {
-  return by_name(encoders, &DesignedEncoder::joint, &DesignedEncoder::name);
-}
-
-}  // namespace
 
 RowsOf<In<Best, DesignedFilter>> rows(Of<In<Best, DesignedFilter>>) {
   return {{"taps", &Best::taps, "of the filters compared with"},

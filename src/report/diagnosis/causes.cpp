@@ -9,12 +9,6 @@
 
 namespace qerr {
 
-std::string label(const Cause& c) {
-  const double order = c.effect.number_or("order", 0);
-  return c.effect.type + (order > 0 && order != 1 ? " (order " + significant(order, 4) + ")" : "") + " of " +
-         shown(c.effect.joint);
-}
-
 namespace {
 
 /// Names, at most four to keep the sentence readable.
@@ -59,25 +53,6 @@ bool has_one_shape(const Diagnosis& d) {
   return d.unexplained.size() == 1 && d.unexplained.front().shape != Shape::unknown;
 }
 
-}  // namespace
-
-std::string verdict_title(const Diagnosis& d) {
-  std::string word(name(d.verdict));
-  if (d.verdict == Verdict::nothing_wrong && !is_faultless(d)) {
-    std::vector<std::string> faults;
-    for (const DataKind kind : record_faults(d)) faults.emplace_back(name(kind));
-    const std::string readings = faults.empty() ? "" : listed(faults) + " readings";
-    const std::string part = d.unjudged.empty() ? "" : "not all judged";
-    word += ", but " + readings + (faults.empty() || part.empty() ? "" : ", and ") + part;
-  }
-  std::replace(word.begin(), word.end(), '_', ' ');
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
-  return word;
-}
-
-namespace {
-
 std::string words_of_verdict(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   switch (d.verdict) {
@@ -105,18 +80,14 @@ std::string words_of_verdict(const DiagnosisReport& r) {
   return "";
 }
 
-}  // namespace
-
-std::string verdict_words(const DiagnosisReport& r) {
-  const bool judged = r.diagnosis.verdict != Verdict::cannot_judge;
-  return words_of_verdict(r) + (judged ? unjudged_words(r.diagnosis) : "");
-}
-
-namespace {
-
 bool is_coordinate(const Cause& c, const std::string& parameter) {
   const Parameter* const row = find_named(effect_kind(c.effect.type).parameters, parameter);
   return row && row->coordinate;
+}
+
+/// Degrees have no SI prefix.
+std::string figure(double value, const std::string& unit) {
+  return unit == "deg" ? significant(value, 3) + " deg" : readable(value, unit);
 }
 
 /// A coordinate also in arc units and in counts; a phase without its interval, which --details has.
@@ -172,7 +143,49 @@ std::string alternatives_of(const Diagnosis& d, const Cause* cause, const Style&
                     : "");
 }
 
+std::string cell(const Diagnosis& d, const std::string& effect, const std::string& joint) {
+  for (const Visible& v : d.visible)
+    if (v.effect == effect && v.joint == joint && std::isfinite(v.smallest))
+      return v.unit.empty()
+                 ? significant(v.smallest, 2)
+                 : significant(rounded_to(v.smallest, 2) / prefixed(v.smallest, v.unit).factor, 2) + ' ' +
+                       prefixed(v.smallest, v.unit).unit;
+  return "-";
+}
+
+/// As many decimals as give the interval two digits.
+std::string fitted(double value, double half, double scale, const std::string& unit) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half / scale))), 0, 6);
+  return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
+}
+
 }  // namespace
+
+std::string label(const Cause& c) {
+  const double order = c.effect.number_or("order", 0);
+  return c.effect.type + (order > 0 && order != 1 ? " (order " + significant(order, 4) + ")" : "") + " of " +
+         shown(c.effect.joint);
+}
+
+std::string verdict_title(const Diagnosis& d) {
+  std::string word(name(d.verdict));
+  if (d.verdict == Verdict::nothing_wrong && !is_faultless(d)) {
+    std::vector<std::string> faults;
+    for (const DataKind kind : record_faults(d)) faults.emplace_back(name(kind));
+    const std::string readings = faults.empty() ? "" : listed(faults) + " readings";
+    const std::string part = d.unjudged.empty() ? "" : "not all judged";
+    word += ", but " + readings + (faults.empty() || part.empty() ? "" : ", and ") + part;
+  }
+  std::ranges::replace(word, '_', ' ');
+  std::ranges::transform(word, word.begin(),
+                         [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return word;
+}
+
+std::string verdict_words(const DiagnosisReport& r) {
+  const bool judged = r.diagnosis.verdict != Verdict::cannot_judge;
+  return words_of_verdict(r) + (judged ? unjudged_words(r.diagnosis) : "");
+}
 
 std::string place_of(const Cause& c) { return c.gain.of_tip ? "the tip" : shown(c.effect.joint); }
 
@@ -227,20 +240,6 @@ std::string causes_section(const DiagnosisReport& r, const Style& style) {
   return out.empty() ? "" : heading("Causes", style) + out;
 }
 
-namespace {
-
-std::string cell(const Diagnosis& d, const std::string& effect, const std::string& joint) {
-  for (const Visible& v : d.visible)
-    if (v.effect == effect && v.joint == joint && std::isfinite(v.smallest))
-      return v.unit.empty()
-                 ? significant(v.smallest, 2)
-                 : significant(rounded_to(v.smallest, 2) / prefixed(v.smallest, v.unit).factor, 2) + ' ' +
-                       prefixed(v.smallest, v.unit).unit;
-  return "-";
-}
-
-}  // namespace
-
 TableRows visible_sizes(const Diagnosis& d) {
   std::vector<std::string> effects, joints;
   for (const Visible& v : d.visible)
@@ -286,21 +285,6 @@ std::string visible_section(const DiagnosisReport& r, const Style& style) {
   for (const std::string& line : hidden) out += "  " + line + '\n';
   return out + "  `qerr diagnose SPEC --plan` proposes a motion that shows more.\n";
 }
-
-namespace {
-
-/// As many decimals as give the interval two digits.
-std::string fitted(double value, double half, double scale, const std::string& unit) {
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half / scale))), 0, 6);
-  return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
-}
-
-/// Degrees have no SI prefix.
-std::string figure(double value, const std::string& unit) {
-  return unit == "deg" ? significant(value, 3) + " deg" : readable(value, unit);
-}
-
-}  // namespace
 
 std::string with_interval(const ReportedParameter& parameter) {
   ReportedParameter p = parameter;

@@ -12,84 +12,21 @@
 
 namespace qerr {
 
+namespace {
+
+/// Index of the independent joint of this name, and of its encoder; empty if unknown.
 std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name) {
   const auto& joints = spec.model.chain.independent;
   const auto found = std::ranges::find(joints, name, &IndependentJoint::name);
   if (found == joints.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - joints.begin());
+  return found - joints.begin();
 }
-
-const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
-  const auto place = joint_place(spec, joint);
-  return place ? &spec.model.transmission.encoders[*place] : nullptr;
-}
-
-std::string figure_unit(const Spec& spec, const Unidentified& u, const std::string& figure) {
-  const std::string coordinate = coordinate_unit(spec, u.joint);
-  if (figure == "time" || figure == "time_constant" || figure == "duration") return "s";
-  if (figure == "frequency") return "Hz";
-  if (figure == "divisor") return "counts";
-  if (figure == "rate") return coordinate + "/s";
-  if (figure == "order") return coordinate == "m" ? "1/m" : "";
-  return coordinate;
-}
-
-namespace {
 
 Log described(const Log& log) {
   return {log.file,      log.columns,      log.rows,     log.first_time,
           log.last_time, log.time_origin,  log.warnings, {},
           log.stretches, log.stretch_rows, {},           log.misspelt};
 }
-
-}  // namespace
-
-DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options,
-                                 bool keep_values) {
-  std::vector<Filter> filters;
-  for (const NamedFilter& f : spec.filters)
-    if (!f.controller) filters.push_back(f.filter);
-  Log judged = keep_values ? log : std::move(log);
-  if (!keep_values) log = described(judged);
-  Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, std::move(judged), options);
-  std::vector<std::string> warnings = spec.warnings;
-  warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
-  for (const std::string& text : diagnosis.warnings) add_once(warnings, text);
-  return {spec, std::move(log), std::move(diagnosis), "", std::move(warnings)};
-}
-
-std::string coordinate_unit(const Spec& spec, const std::string& name) {
-  if (const auto joint = joint_place(spec, name))
-    return spec.model.chain.independent[*joint].prismatic() ? "m" : "rad";
-  for (const CoordinateInfo& row : coordinate_list())
-    if (name == row.name || name == "tip." + std::string(row.name)) return std::string(row.unit);
-  return "m";
-}
-
-std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause& cause) {
-  std::vector<ReportedParameter> list;
-  const auto joint = joint_place(spec, cause.effect.joint);
-  const bool prismatic = joint && spec.model.chain.independent[*joint].prismatic();
-  const auto add = [&](const std::string& name, const std::string& unit) {
-    for (const FoundParameter& p : cause.parameters)
-      if (p.name == name) return list.push_back({p, unit, p.lower == p.upper});
-    const auto number = cause.effect.numbers.find(name);
-    if (number != cause.effect.numbers.end())
-      list.push_back({{name, number->second, number->second, number->second}, unit, true});
-  };
-  const auto is_listed = [&](const std::string& name) {
-    return std::any_of(list.begin(), list.end(), [&](const auto& p) { return p.figure.name == name; });
-  };
-  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
-    add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
-  for (const FoundParameter& p : cause.parameters)
-    if (!is_listed(p.name)) add(p.name, "");
-  for (const auto& [name, value] : cause.effect.numbers)
-    if (!is_listed(name)) add(name, "");
-  return list;
-}
-
-namespace {
 
 std::string note(const Spec& spec, const Cause& cause) {
   std::string text = cause.effect.type + " of " + escaped(cause.effect.joint, 60);
@@ -121,11 +58,10 @@ std::vector<AddedFilter> found_filters(const DiagnosisReport& r) {
   for (const NamedFilter& f : r.spec.filters)
     if (f.filter.derivative == 1) stated.push_back(f.name);
   const auto& columns = r.log.columns;
-  const auto velocities = std::count_if(columns.begin(), columns.end(),
-                                        [](const LogColumn& c) { return c.signal == LogSignal::velocity; });
+  const auto velocities =
+      std::ranges::count_if(columns, [](const LogColumn& c) { return c.signal == LogSignal::velocity; });
   const auto& causes = r.diagnosis.causes;
-  const auto others =
-      std::count_if(causes.begin(), causes.end(), [](const Cause& c) { return is_filter(c.effect); });
+  const auto others = std::ranges::count_if(causes, [](const Cause& c) { return is_filter(c.effect); });
   for (const Cause& c : causes) {
     if (!is_filter(c.effect) || stated.empty()) continue;
     const bool instead = filters.empty() && stated.size() == 1 && others == velocities;
@@ -136,33 +72,6 @@ std::vector<AddedFilter> found_filters(const DiagnosisReport& r) {
   }
   return filters;
 }
-
-}  // namespace
-
-std::string extended_model(const DiagnosisReport& r, const std::string& target) {
-  const Diagnosis& d = r.diagnosis;
-  const std::string& unit = d.gain.unit;
-  std::string remarks = "qerr diagnose " + std::string(version()) + " of " + escaped(r.log.file) + ": " +
-                        std::string(name(d.verdict));
-  if (d.causes.empty()) return extended_spec(r.spec, {}, remarks + ", no effects to add", target);
-  remarks += ", residual " + readable(d.gain.rms_before, unit) + " -> " + readable(d.gain.rms_after, unit) +
-             (d.gain.held_out ? " (held out)" : "");
-  const auto& columns = r.log.columns;
-  const bool referenced = std::any_of(columns.begin(), columns.end(),
-                                      [](const LogColumn& c) { return c.signal == LogSignal::reference; });
-  std::vector<AddedEffect> effects;
-  for (const Cause& cause : d.causes) {
-    if (is_filter(cause.effect)) continue;
-    // Readings that agree with their references are not late.
-    if (referenced && cause.effect.joint == "tip" && effect_kind(cause.effect.type).stage == Stage::clock)
-      remarks += "\nof the tracker's stamps, which a spec does not have: " + note(r.spec, cause);
-    else
-      effects.push_back({cause.effect, note(r.spec, cause)});
-  }
-  return extended_spec(r.spec, effects, remarks, target, found_filters(r));
-}
-
-namespace {
 
 using ReportedCause = In<Cause, DiagnosisReport>;
 using ReportedError = In<Unidentified, DiagnosisReport>;
@@ -193,6 +102,24 @@ std::vector<LogColumn> unwrapped(const Log& log) {
   return columns;
 }
 
+/// What a row is about.
+struct Subject {
+  std::string section, joint = {}, name = {};
+};
+
+/// A cell without a value is empty.
+struct ReportedFigure {
+  std::string figure = {};
+  double value = NAN, lower = NAN, upper = NAN, p_value = NAN;
+  std::string unit = {}, text = {};
+};
+
+std::string line(const Subject& s, const ReportedFigure& f) {
+  std::string text = s.section + ',' + csv_cell(s.joint) + ',' + csv_cell(s.name) + ',' + csv_cell(f.figure);
+  for (const double value : {f.value, f.lower, f.upper, f.p_value}) text += ',' + csv_number(value);
+  return text + ',' + f.unit + ',' + csv_cell(f.text) + "\r\n";
+}
+
 std::vector<std::string> shape_names() {
   std::vector<std::string> names;
   for (const Shape shape : {Shape::step, Shape::hysteresis, Shape::exponential, Shape::line, Shape::order,
@@ -201,7 +128,147 @@ std::vector<std::string> shape_names() {
   return names;
 }
 
+/// The figures that are known; the ratio has an interval only if it was computed on held-out blocks.
+std::string gain_lines(const Subject& subject, const Gain& g) {
+  std::string lines;
+  const Json gain = json_of(g);
+  const ReportedFigure ratio{.figure = "ratio",
+                             .value = g.ratio(),
+                             .lower = g.held_out ? g.lower : NAN,
+                             .upper = g.held_out ? g.upper : NAN,
+                             .text = g.held_out ? "held out" : ""};
+  for (const auto& [name, value] : gain.items())
+    if (name == "ratio")
+      lines += line(subject, ratio);
+    else if (value.is_number() && name != "lower" && name != "upper")
+      lines +=
+          line(subject,
+               {.figure = name, .value = value.get<double>(), .unit = name.starts_with("rms") ? g.unit : ""});
+  return lines;
+}
+
+std::string cause_lines(const Spec& spec, const Cause& c) {
+  const Subject subject{"cause", c.effect.joint, c.effect.type};
+  std::string lines;
+  for (const ReportedParameter& p : reported_parameters(spec, c))
+    lines +=
+        line(subject, {p.figure.name, p.figure.value, p.figure.lower, p.figure.upper, c.p_value, p.unit});
+  for (const auto& [choice, word] : c.effect.choices)
+    lines += line(subject, {.figure = choice, .text = word});
+  lines += gain_lines(subject, c.gain);
+  if (std::isfinite(c.rms_without))
+    lines += line(subject, {.figure = "rms_without", .value = c.rms_without, .unit = c.gain.unit});
+  return lines;
+}
+
+std::string unexplained_lines(const Spec& spec, const Unidentified& u) {
+  const Subject subject{"unexplained", u.joint, u.what};
+  const std::string shape(name(u.shape));
+  std::string lines;
+  if (u.order) lines += line(subject, {"order", *u.order});
+  if (u.frequency) lines += line(subject, {.figure = "frequency", .value = *u.frequency, .unit = "Hz"});
+  lines +=
+      line(subject, {.figure = "amplitude", .value = u.amplitude, .unit = coordinate_unit(spec, u.joint)});
+  lines += line(subject, {.figure = "shape", .text = shape});
+  for (const auto& [key, value] : u.figures)
+    lines += line(subject, {.figure = shape + '.' + key, .value = value, .unit = figure_unit(spec, u, key)});
+  return lines;
+}
+
+/// What was found stands under `name`, where it begins under `figure` and `value`, the remedy under `text`;
+/// in a row of its own the kind.
+std::string data_lines(const DataFinding& f) {
+  const Subject subject{"data", f.joint, f.what};
+  const ReportedFigure begin =
+      f.row    ? ReportedFigure{.figure = "row", .value = static_cast<double>(*f.row), .text = f.remedy}
+      : f.time ? ReportedFigure{.figure = "time", .value = *f.time, .unit = "s", .text = f.remedy}
+               : ReportedFigure{.text = f.remedy};
+  return line(subject, begin) + line(subject, {.figure = "kind", .text = std::string(name(f.kind))});
+}
+
 }  // namespace
+
+const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
+  const auto place = joint_place(spec, joint);
+  return place ? &spec.model.transmission.encoders[*place] : nullptr;
+}
+
+std::string figure_unit(const Spec& spec, const Unidentified& u, const std::string& figure) {
+  const std::string coordinate = coordinate_unit(spec, u.joint);
+  if (figure == "time" || figure == "time_constant" || figure == "duration") return "s";
+  if (figure == "frequency") return "Hz";
+  if (figure == "divisor") return "counts";
+  if (figure == "rate") return coordinate + "/s";
+  if (figure == "order") return coordinate == "m" ? "1/m" : "";
+  return coordinate;
+}
+
+DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options,
+                                 bool keep_values) {
+  std::vector<Filter> filters;
+  for (const NamedFilter& f : spec.filters)
+    if (!f.controller) filters.push_back(f.filter);
+  Log judged = keep_values ? log : std::move(log);
+  if (!keep_values) log = described(judged);
+  Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, std::move(judged), options);
+  std::vector<std::string> warnings = spec.warnings;
+  warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
+  for (const std::string& text : diagnosis.warnings) add_once(warnings, text);
+  return {spec, std::move(log), std::move(diagnosis), "", std::move(warnings)};
+}
+
+std::string coordinate_unit(const Spec& spec, const std::string& name) {
+  if (const auto joint = joint_place(spec, name)) return spec.model.chain.independent[*joint].unit();
+  for (const CoordinateInfo& row : coordinate_list())
+    if (name == row.name || name == "tip." + std::string(row.name)) return std::string(row.unit);
+  return "m";
+}
+
+std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause& cause) {
+  std::vector<ReportedParameter> list;
+  const auto joint = joint_place(spec, cause.effect.joint);
+  const bool prismatic = joint && spec.model.chain.independent[*joint].prismatic();
+  const auto add = [&](const std::string& name, const std::string& unit) {
+    for (const FoundParameter& p : cause.parameters)
+      if (p.name == name) return list.push_back({p, unit, p.lower == p.upper});
+    const auto number = cause.effect.numbers.find(name);
+    if (number != cause.effect.numbers.end())
+      list.push_back({{name, number->second, number->second, number->second}, unit, true});
+  };
+  const auto is_listed = [&](const std::string& name) {
+    return std::ranges::any_of(list, [&](const auto& p) { return p.figure.name == name; });
+  };
+  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
+    add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
+  for (const FoundParameter& p : cause.parameters)
+    if (!is_listed(p.name)) add(p.name, "");
+  for (const auto& [name, value] : cause.effect.numbers)
+    if (!is_listed(name)) add(name, "");
+  return list;
+}
+
+std::string extended_model(const DiagnosisReport& r, const std::string& target) {
+  const Diagnosis& d = r.diagnosis;
+  const std::string& unit = d.gain.unit;
+  std::string remarks = "qerr diagnose " + std::string(version()) + " of " + escaped(r.log.file) + ": " +
+                        std::string(name(d.verdict));
+  if (d.causes.empty()) return extended_spec(r.spec, {}, remarks + ", no effects to add", target);
+  remarks += ", residual " + readable(d.gain.rms_before, unit) + " -> " + readable(d.gain.rms_after, unit) +
+             (d.gain.held_out ? " (held out)" : "");
+  const auto& columns = r.log.columns;
+  const bool referenced =
+      std::ranges::any_of(columns, [](const LogColumn& c) { return c.signal == LogSignal::reference; });
+  std::vector<AddedEffect> effects;
+  for (const Cause& cause : d.causes) {
+    if (is_filter(cause.effect)) continue;
+    // Readings that agree with their references are not late.
+    if (referenced && cause.effect.joint == "tip" && effect_kind(cause.effect.type).stage == Stage::clock)
+      remarks += "\nof the tracker's stamps, which a spec does not have: " + note(r.spec, cause);
+    else
+      effects.push_back({cause.effect, note(r.spec, cause)});
+  }
+  return extended_spec(r.spec, effects, remarks, target, found_filters(r));
+}
 
 RowsOf<Gain> rows(Of<Gain>) {
   return {{"held_out", &Gain::held_out, "measured on blocks of the log that the fit has not seen"},
@@ -351,86 +418,6 @@ RowsOf<DiagnosisReport> rows(Of<DiagnosisReport>) {
              {"extended_model", &DiagnosisReport::extended_model, "its file", nullable},
              {"warnings", &DiagnosisReport::warnings}});
 }
-
-namespace {
-
-/// What a row is about.
-struct Subject {
-  std::string section, joint = {}, name = {};
-};
-
-/// A cell without a value is empty.
-struct ReportedFigure {
-  std::string figure = {};
-  double value = NAN, lower = NAN, upper = NAN, p_value = NAN;
-  std::string unit = {}, text = {};
-};
-
-std::string line(const Subject& s, const ReportedFigure& f) {
-  std::string text = s.section + ',' + csv_cell(s.joint) + ',' + csv_cell(s.name) + ',' + csv_cell(f.figure);
-  for (const double value : {f.value, f.lower, f.upper, f.p_value}) text += ',' + csv_number(value);
-  return text + ',' + f.unit + ',' + csv_cell(f.text) + "\r\n";
-}
-
-/// The figures that are known; the ratio has an interval only if it was computed on held-out blocks.
-std::string gain_lines(const Subject& subject, const Gain& g) {
-  std::string lines;
-  const Json gain = json_of(g);
-  const ReportedFigure ratio{.figure = "ratio",
-                             .value = g.ratio(),
-                             .lower = g.held_out ? g.lower : NAN,
-                             .upper = g.held_out ? g.upper : NAN,
-                             .text = g.held_out ? "held out" : ""};
-  for (const auto& [name, value] : gain.items())
-    if (name == "ratio")
-      lines += line(subject, ratio);
-    else if (value.is_number() && name != "lower" && name != "upper")
-      lines +=
-          line(subject,
-               {.figure = name, .value = value.get<double>(), .unit = name.starts_with("rms") ? g.unit : ""});
-  return lines;
-}
-
-std::string cause_lines(const Spec& spec, const Cause& c) {
-  const Subject subject{"cause", c.effect.joint, c.effect.type};
-  std::string lines;
-  for (const ReportedParameter& p : reported_parameters(spec, c))
-    lines +=
-        line(subject, {p.figure.name, p.figure.value, p.figure.lower, p.figure.upper, c.p_value, p.unit});
-  for (const auto& [choice, word] : c.effect.choices)
-    lines += line(subject, {.figure = choice, .text = word});
-  lines += gain_lines(subject, c.gain);
-  if (std::isfinite(c.rms_without))
-    lines += line(subject, {.figure = "rms_without", .value = c.rms_without, .unit = c.gain.unit});
-  return lines;
-}
-
-std::string unexplained_lines(const Spec& spec, const Unidentified& u) {
-  const Subject subject{"unexplained", u.joint, u.what};
-  const std::string shape(name(u.shape));
-  std::string lines;
-  if (u.order) lines += line(subject, {"order", *u.order});
-  if (u.frequency) lines += line(subject, {.figure = "frequency", .value = *u.frequency, .unit = "Hz"});
-  lines +=
-      line(subject, {.figure = "amplitude", .value = u.amplitude, .unit = coordinate_unit(spec, u.joint)});
-  lines += line(subject, {.figure = "shape", .text = shape});
-  for (const auto& [key, value] : u.figures)
-    lines += line(subject, {.figure = shape + '.' + key, .value = value, .unit = figure_unit(spec, u, key)});
-  return lines;
-}
-
-/// What was found stands under `name`, where it begins under `figure` and `value`, the remedy under `text`;
-/// in a row of its own the kind.
-std::string data_lines(const DataFinding& f) {
-  const Subject subject{"data", f.joint, f.what};
-  const ReportedFigure begin =
-      f.row    ? ReportedFigure{.figure = "row", .value = static_cast<double>(*f.row), .text = f.remedy}
-      : f.time ? ReportedFigure{.figure = "time", .value = *f.time, .unit = "s", .text = f.remedy}
-               : ReportedFigure{.text = f.remedy};
-  return line(subject, begin) + line(subject, {.figure = "kind", .text = std::string(name(f.kind))});
-}
-
-}  // namespace
 
 std::string to_csv(const DiagnosisReport& r, const Style&) {
   const Diagnosis& d = r.diagnosis;

@@ -217,7 +217,7 @@ std::string summary(const ResidualPicture& p) {
 
 /// Joints by the residual in counts, those with a cause first.
 void sort_by_interest(std::vector<ResidualPicture>& all) {
-  std::stable_sort(all.begin(), all.end(), [](const ResidualPicture& a, const ResidualPicture& b) {
+  std::ranges::stable_sort(all, [](const ResidualPicture& a, const ResidualPicture& b) {
     if (a.corrected != b.corrected) return a.corrected;
     return a.rms_before / a.resolution > b.rms_before / b.resolution;
   });
@@ -245,11 +245,10 @@ Extent extent(std::size_t bytes, std::size_t encoders, std::size_t corrected) {
 
 std::size_t joints_with_a_cause(const DiagnosisReport& r) {
   const auto& joints = r.spec.model.chain.independent;
-  return static_cast<std::size_t>(
-      std::count_if(joints.begin(), joints.end(), [&](const IndependentJoint& joint) {
-        return std::any_of(r.diagnosis.causes.begin(), r.diagnosis.causes.end(),
-                           [&](const Cause& c) { return c.effect.joint == joint.name; });
-      }));
+  return std::ranges::count_if(joints, [&](const IndependentJoint& joint) {
+    return std::ranges::any_of(r.diagnosis.causes,
+                               [&](const Cause& c) { return c.effect.joint == joint.name; });
+  });
 }
 
 /// Measured - reference of each joint before and after subtraction of the causes.
@@ -260,7 +259,7 @@ std::string residuals_part(const DiagnosisReport& r, std::size_t bytes) {
   const Extent drawn = extent(bytes, encoders, joints_with_a_cause(r));
   std::vector<ResidualPicture> all(encoders);
   for_each_residual(r, [&](const JointResidual& residual) {
-    all[static_cast<std::size_t>(residual.evidence.number)] = residual_picture(residual, drawn.intervals);
+    all[residual.evidence.number] = residual_picture(residual, drawn.intervals);
   });
   std::erase_if(all, [](const ResidualPicture& p) { return p.rows == 0; });
   if (all.empty()) return "";
@@ -319,9 +318,7 @@ std::string curve_figure(const Spec& spec, const std::string& title, const std::
 bool has_few_curves(const Diagnosis& d) {
   constexpr std::ptrdiff_t few = 6;
   const auto drawn = [](const auto& part) { return !part.curve.at.empty(); };
-  return std::count_if(d.causes.begin(), d.causes.end(), drawn) +
-             std::count_if(d.unexplained.begin(), d.unexplained.end(), drawn) <=
-         few;
+  return std::ranges::count_if(d.causes, drawn) + std::ranges::count_if(d.unexplained, drawn) <= few;
 }
 
 /// Each cause with its size, remedy and alternatives, and its residual with the fit.
@@ -447,7 +444,7 @@ page::Page page_of(const DiagnosisReport& r) {
   page.add("Causes", causes_part(r));
   page.add("Sizes of the causes", parameters_part(r));
   page.add("What to record next", next_part(r));
-  const auto before_and_after = static_cast<std::ptrdiff_t>(page.sections.size());
+  const auto before_and_after = std::ssize(page.sections);
   page.add("What remains", remainder_part(r));
   page.add("What the record would have shown", visible_part(r));
   page.add("Gain", gain_part(r));

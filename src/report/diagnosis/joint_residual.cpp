@@ -56,7 +56,7 @@ Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
 
 /// The actions of effects in the order of the signal's stages.
 ActionPath actions(std::vector<Effect> effects, const Encoder& encoder) {
-  std::stable_sort(effects.begin(), effects.end(), [](const Effect& a, const Effect& b) {
+  std::ranges::stable_sort(effects, [](const Effect& a, const Effect& b) {
     return effect_kind(a.type).stage < effect_kind(b.type).stage;
   });
   ActionPath all;
@@ -91,36 +91,6 @@ std::string rows_of(const Evidence& e, const std::vector<Effect>& effects) {
   }
   return out;
 }
-
-}  // namespace
-
-std::string correction_table(const DiagnosisReport& r) {
-  std::string head =
-      "# qerr diagnose " + std::string(version()) + " of " + escaped(r.log.file) +
-      ": corrected position = measured + correction, linear between rows.\r\n"
-      "# measured: counts times resolution, at the joint's side of the gear, before any coupling; "
-      "encoder_angle: of the encoder's shaft.\r\n";
-  std::string rows;
-  for (const Evidence& e : evidence(r.spec.model, r.log, all_encoders(r.spec.model))) {
-    std::vector<Effect> held;
-    for (const Cause& c : r.diagnosis.causes) {
-      if (c.effect.joint != e.joint) continue;
-      if (fits_table(c.effect))
-        held.push_back(c.effect);
-      else
-        head += "# not in this table: " + c.effect.type + " of " + escaped(e.joint) + "\r\n";
-    }
-    if (held.empty()) continue;
-    head += "# " + escaped(e.joint) +
-            (grid_of(e, held).repeats ? ": one revolution of the encoder; it repeats with every other"
-                                      : ": over the positions of the log") +
-            "\r\n";
-    rows += rows_of(e, held);
-  }
-  return head + "joint,encoder_angle [rad],measured,correction,unit\r\n" + rows;
-}
-
-namespace {
 
 constexpr Eigen::Index position_bins = 4096;
 
@@ -159,48 +129,13 @@ std::vector<double> amplitudes(const Eigen::ArrayXd& means) {
   std::vector<double> padded(2 * position_bins, 0.0);
   double filled = 0;
   for (Eigen::Index b = 0; b < position_bins; ++b)
-    if (!std::isnan(means[b])) padded[static_cast<std::size_t>(b)] = means[b], ++filled;
+    if (!std::isnan(means[b])) padded[b] = means[b], ++filled;
   const auto spectrum = half_spectrum(padded);
   std::vector<double> amplitude;
   for (std::size_t n = 1; n <= position_bins / 2; ++n)
     amplitude.push_back(2 * std::abs(spectrum[n]) / filled);
   return amplitude;
 }
-
-}  // namespace
-
-void for_each_residual(const DiagnosisReport& r, const std::function<void(const JointResidual&)>& task) {
-  constexpr std::size_t rows_at_once = 1 << 21;
-  if (r.log.values.size() == 0) return;
-  const std::vector<std::size_t> encoders = all_encoders(r.spec.model);
-  const std::size_t rows = std::max<std::size_t>(1, static_cast<std::size_t>(r.log.values.rows()));
-  const std::size_t at_once = std::max<std::size_t>(1, rows_at_once / rows);
-  for (std::size_t first = 0; first < encoders.size(); first += at_once) {
-    const std::size_t end = std::min(first + at_once, encoders.size());
-    std::vector<Evidence> some = evidence(r.spec.model, r.log,
-                                          {encoders.begin() + static_cast<std::ptrdiff_t>(first),
-                                           encoders.begin() + static_cast<std::ptrdiff_t>(end)});
-    parallel_for(some.size(), 0, [&](std::size_t i) { task(residual_of(r, std::move(some[i]))); });
-  }
-}
-
-PositionSpectrum position_spectrum(const JointResidual& residual) {
-  const Evidence& e = residual.evidence;
-  const double span = e.reference.maxCoeff() - e.reference.minCoeff();
-  if (!(span > 0)) return {};
-  PositionSpectrum s{{}, {}, amplitudes(means_by_position(e.reference, residual.before)), {}};
-  s.after = (residual.before == residual.after).all()
-                ? s.before
-                : amplitudes(means_by_position(e.reference, residual.after));
-  for (std::size_t i = 0; i < s.before.size(); ++i) {
-    const double waves = 0.5 * static_cast<double>(i + 1) / span;  // per rad or m
-    s.order.push_back(e.prismatic ? waves : 2 * std::numbers::pi * waves);
-    s.encoder_order.push_back(2 * std::numbers::pi * waves / std::abs(e.encoder.shaft_ratio));
-  }
-  return s;
-}
-
-namespace {
 
 std::string residual_rows(const JointResidual& residual) {
   const Evidence& e = residual.evidence;
@@ -226,11 +161,66 @@ std::string spectrum_rows(const JointResidual& residual) {
 
 }  // namespace
 
+std::string correction_table(const DiagnosisReport& r) {
+  std::string head =
+      "# qerr diagnose " + std::string(version()) + " of " + escaped(r.log.file) +
+      ": corrected position = measured + correction, linear between rows.\r\n"
+      "# measured: counts times resolution, at the joint's side of the gear, before any coupling; "
+      "encoder_angle: of the encoder's shaft.\r\n";
+  std::string rows;
+  for (const Evidence& e : evidence(r.spec.model, r.log, all_encoders(r.spec.model))) {
+    std::vector<Effect> held;
+    for (const Cause& c : r.diagnosis.causes) {
+      if (c.effect.joint != e.joint) continue;
+      if (fits_table(c.effect))
+        held.push_back(c.effect);
+      else
+        head += "# not in this table: " + c.effect.type + " of " + escaped(e.joint) + "\r\n";
+    }
+    if (held.empty()) continue;
+    head += "# " + escaped(e.joint) +
+            (grid_of(e, held).repeats ? ": one revolution of the encoder; it repeats with every other"
+                                      : ": over the positions of the log") +
+            "\r\n";
+    rows += rows_of(e, held);
+  }
+  return head + "joint,encoder_angle [rad],measured,correction,unit\r\n" + rows;
+}
+
+void for_each_residual(const DiagnosisReport& r, const std::function<void(const JointResidual&)>& task) {
+  constexpr std::size_t rows_at_once = 1 << 21;
+  if (r.log.values.size() == 0) return;
+  const std::vector<std::size_t> encoders = all_encoders(r.spec.model);
+  const std::size_t rows = std::max<std::size_t>(1, static_cast<std::size_t>(r.log.values.rows()));
+  const std::size_t at_once = std::max<std::size_t>(1, rows_at_once / rows);
+  for (std::size_t first = 0; first < encoders.size(); first += at_once) {
+    const std::size_t end = std::min(first + at_once, encoders.size());
+    std::vector<Evidence> some = evidence(
+        r.spec.model, r.log, {encoders.begin() + first, encoders.begin() + static_cast<std::ptrdiff_t>(end)});
+    parallel_for(some.size(), 0, [&](std::size_t i) { task(residual_of(r, std::move(some[i]))); });
+  }
+}
+
+PositionSpectrum position_spectrum(const JointResidual& residual) {
+  const Evidence& e = residual.evidence;
+  const double span = e.reference.maxCoeff() - e.reference.minCoeff();
+  if (!(span > 0)) return {};
+  PositionSpectrum s{{}, {}, amplitudes(means_by_position(e.reference, residual.before)), {}};
+  s.after = (residual.before == residual.after).all()
+                ? s.before
+                : amplitudes(means_by_position(e.reference, residual.after));
+  for (std::size_t i = 0; i < s.before.size(); ++i) {
+    const double waves = 0.5 * static_cast<double>(i + 1) / span;  // per rad or m
+    s.order.push_back(e.prismatic ? waves : 2 * std::numbers::pi * waves);
+    s.encoder_order.push_back(2 * std::numbers::pi * waves / std::abs(e.encoder.shaft_ratio));
+  }
+  return s;
+}
+
 ResidualCurves residual_curves(const DiagnosisReport& r) {
   std::vector<ResidualCurves> of_encoder(r.spec.model.transmission.encoders.size());
   for_each_residual(r, [&](const JointResidual& residual) {
-    of_encoder[static_cast<std::size_t>(residual.evidence.number)] = {residual_rows(residual),
-                                                                      spectrum_rows(residual)};
+    of_encoder[residual.evidence.number] = {residual_rows(residual), spectrum_rows(residual)};
   });
   ResidualCurves out;
   for (const ResidualCurves& one : of_encoder) out.residual += one.residual, out.spectrum += one.spectrum;

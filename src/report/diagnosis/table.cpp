@@ -19,31 +19,6 @@ std::string verdict_line(const DiagnosisReport& r, const Style& style) {
          verdict_words(r) + "\n";
 }
 
-}  // namespace
-
-std::string record_words(const Log& log) {
-  std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
-  if (log.has_time()) out += " over " + significant(log.last_time - log.first_time, 4) + " s";
-  for (const LogColumn& c : log.columns)
-    if (c.wraps.count > 0 || c.wraps.start != 0)
-      out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +
-             (c.wraps.start ? ", " + std::to_string(c.wraps.start) + " at the start" : "");
-  return out;
-}
-
-std::string to_table(const DiagnosisReport& r, const Style& style) {
-  std::string out = painted("qerr diagnose", Paint::bold, style) + "  robot '" +
-                    escaped(r.spec.robot_name, 60) + "', " + record_words(r.log) + "\n\n" +
-                    verdict_line(r, style);
-  out += data_section(r, style) + causes_section(r, style) + remainder_section(r, style) +
-         next_section(r, style) + visible_section(r, style);
-  if (style.details) out += details_section(r, style);
-  if (!r.extended_model.empty()) out += "\nExtended model: " + escaped(r.extended_model) + '\n';
-  return within(out, style.width);
-}
-
-namespace {
-
 std::string probability(double p) { return p < 1e-15 ? "p < 1e-15" : "p = " + significant(p, 2); }
 
 /// The statistics that the model does not explain, most significant first; the JSON has all.
@@ -51,10 +26,10 @@ std::string simulation_table(const Diagnosis& d, const Style& style) {
   constexpr std::size_t most = 8;
   constexpr double significance_level = 0.01;
   std::vector<Comparison> list;
-  std::copy_if(d.simulation.begin(), d.simulation.end(), std::back_inserter(list),
-               [](const Comparison& c) { return c.p_value < significance_level; });
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
+  std::ranges::copy_if(d.simulation, std::back_inserter(list),
+                       [](const Comparison& c) { return c.p_value < significance_level; });
+  std::ranges::stable_sort(list,
+                           [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
   TableRows rows{{"joint", "statistic", "observed", "expected", "p"}};
   for (std::size_t i = 0; i < std::min(list.size(), most); ++i)
     rows.push_back({shown(list[i].joint), list[i].statistic, significant(list[i].observed, 3),
@@ -76,50 +51,6 @@ std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
           significant(g.ratio(), 3),
           g.upper > 0 ? significant(g.lower, 3) + " .. " + significant(g.upper, 3) : ""};
 }
-
-}  // namespace
-
-std::string parameter_size(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
-  std::string text = with_interval(p);
-  const Encoder* encoder = encoder_of(spec, cause.effect.joint);
-  if (!encoder) return text;
-  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
-    if (row.name == p.figure.name && row.coordinate)
-      text += " = " + significant(p.figure.value / encoder->resolution, 3) + " counts";
-  return text;
-}
-
-/// The joints with a cause, or the tip, and the gain of each.
-std::vector<std::pair<std::string, Gain>> gains_by_place(const Diagnosis& d) {
-  std::vector<std::pair<std::string, Gain>> all;
-  for (const Cause& c : d.causes)
-    if (std::none_of(all.begin(), all.end(), [&](const auto& known) { return known.first == place_of(c); }))
-      all.emplace_back(place_of(c), c.gain);
-  return all;
-}
-
-std::string whole_place(const Diagnosis& d) { return d.gain.of_tip ? "the tip" : "all joints"; }
-
-TableRows gain_rows(const Diagnosis& d) {
-  TableRows rows{{"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
-  for (const auto& [place, gain] : gains_by_place(d)) rows.push_back(gain_row(place, gain));
-  // The total of a single place would repeat its row.
-  if (rows.size() != 2 || d.causes.front().gain.rms_before != d.gain.rms_before)
-    rows.push_back(gain_row(whole_place(d), d.gain));
-  return rows;
-}
-
-std::vector<std::string> prediction_lines(const Gain& g) {
-  std::vector<std::string> out;
-  if (std::isfinite(g.coverage))
-    out.push_back(percent(g.coverage) + " of the readings are in the extended model's central 95 % interval");
-  if (std::isfinite(g.log_score))
-    out.push_back("log-likelihood per reading: " + significant(g.log_score, 3) +
-                  " more than without the causes");
-  return out;
-}
-
-namespace {
 
 std::string share_of(double share) {
   return share < 0.01 ? "under 1 %" : std::to_string(std::lround(100 * std::min(share, 1.0))) + " %";
@@ -147,8 +78,7 @@ std::string gain_table(const Diagnosis& d, const Style& style) {
   return out;
 }
 
-}  // namespace
-
+/// Statistics, intervals, p-values and gains.
 std::string details_section(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   std::string out = simulation_table(d, style);
@@ -157,8 +87,6 @@ std::string details_section(const DiagnosisReport& r, const Style& style) {
   return out + heading(d.causes.empty() ? "Residual" : "Improvement with the extended model", style) +
          gain_table(d, style);
 }
-
-namespace {
 
 /// `0.294 counts (34.4 urad) rms; quantization and the stated noise leave 0.288 counts`.
 std::string remainder_line(const std::string& place, const Gain& g) {
@@ -181,43 +109,7 @@ std::string reproduction_line(const std::string& place, const Reproduction& chec
                        : ": they differ by more than what the causes leave, and `explained` is not said");
 }
 
-}  // namespace
-
-std::vector<std::string> remainder_lines(const Diagnosis& d) {
-  if (d.verdict == Verdict::cannot_judge) return {};
-  std::vector<std::string> out;
-  for (const auto& [place, gain] : gains_by_place(d)) out.push_back(remainder_line(place, gain));
-  if (out.empty() && d.gain.rms_after > 0) out.push_back(remainder_line(whole_place(d), d.gain));
-  const bool of_joints =
-      std::any_of(d.causes.begin(), d.causes.end(), [](const Cause& c) { return !c.gain.of_tip; });
-  if (d.check && of_joints)
-    out.push_back(reproduction_line("all joints", *d.check, d.gain.of_tip ? "rad" : d.gain.unit));
-  if (d.tip_check) out.push_back(reproduction_line("the tip", *d.tip_check, "m"));
-  return out;
-}
-
-std::string place_of(const DataFinding& f) {
-  std::vector<std::string> parts;
-  if (!f.joint.empty()) parts.push_back(shown(f.joint));
-  if (f.row) parts.push_back("row " + std::to_string(*f.row));
-  if (f.time) parts.push_back(significant(*f.time, 6) + " s");
-  return parts.empty() ? "the whole record" : joined(parts);
-}
-
-std::vector<std::string> advice_lines(const Diagnosis& d) {
-  std::vector<std::string> out;
-  std::vector<std::string> seen;
-  for (const Unidentified& u : d.unexplained) {
-    // What is wrong with the record itself comes with a remedy of its own.
-    if (u.shape == Shape::unknown &&
-        std::any_of(d.data.begin(), d.data.end(), [&](const DataFinding& f) { return f.joint == u.joint; }))
-      continue;
-    const std::string advice = u.next.empty() ? shape_advice(u.shape) : u.next;
-    if (add_once(seen, advice)) out.push_back(shown(u.joint) + ": " + advice);
-  }
-  return out;
-}
-
+/// The faults of the record itself, each with its place and remedy.
 std::string data_section(const DiagnosisReport& r, const Style& style) {
   std::string out;
   for (const DataFinding& f : r.diagnosis.data) {
@@ -227,6 +119,7 @@ std::string data_section(const DiagnosisReport& r, const Style& style) {
   return out.empty() ? "" : heading("The record itself", style) + out;
 }
 
+/// The residual of the extended model, and the shapes in it that no effect has.
 std::string remainder_section(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   std::string out;
@@ -237,13 +130,21 @@ std::string remainder_section(const DiagnosisReport& r, const Style& style) {
   return out.empty() ? "" : heading("What remains", style) + out;
 }
 
+/// What to inspect or to record for each shape in the residual.
 std::string next_section(const DiagnosisReport& r, const Style& style) {
   std::string out;
   for (const std::string& line : advice_lines(r.diagnosis)) out += "  " + line + '\n';
   return out.empty() ? "" : heading("What to do next", style) + out;
 }
 
-namespace {
+/// A size for people: `5.49 counts = 400 urad = 1.38 arcmin`.
+/// @param unit     rad or m
+/// @param encoder  of the counts; null: none
+std::string size_text(double value, const std::string& unit, const Encoder* encoder) {
+  std::string text = encoder ? significant(value / encoder->resolution, 3) + " counts = " : "";
+  text += readable(value, unit);
+  return unit == "rad" ? text + " = " + arc_text(value) : text;
+}
 
 /// What the words are made of.
 struct FoundShape {
@@ -355,13 +256,8 @@ const ShapeRow& row_of(Shape shape) {
   return shape_rows.back();
 }
 
-}  // namespace
-
-std::string shape_words(const Spec& spec, const Unidentified& u) { return row_of(u.shape).words({spec, u}); }
-
+/// What to inspect or to record to find the cause of a shape.
 std::string shape_advice(Shape shape) { return std::string(row_of(shape).next); }
-
-namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
@@ -392,17 +288,108 @@ std::vector<double> divided(std::vector<double> values, double factor) {
 
 }  // namespace
 
+std::string record_words(const Log& log) {
+  std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
+  if (log.has_time()) out += " over " + significant(log.last_time - log.first_time, 4) + " s";
+  for (const LogColumn& c : log.columns)
+    if (c.wraps.count > 0 || c.wraps.start != 0)
+      out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +
+             (c.wraps.start ? ", " + std::to_string(c.wraps.start) + " at the start" : "");
+  return out;
+}
+
+std::string to_table(const DiagnosisReport& r, const Style& style) {
+  std::string out = painted("qerr diagnose", Paint::bold, style) + "  robot '" +
+                    escaped(r.spec.robot_name, 60) + "', " + record_words(r.log) + "\n\n" +
+                    verdict_line(r, style);
+  out += data_section(r, style) + causes_section(r, style) + remainder_section(r, style) +
+         next_section(r, style) + visible_section(r, style);
+  if (style.details) out += details_section(r, style);
+  if (!r.extended_model.empty()) out += "\nExtended model: " + escaped(r.extended_model) + '\n';
+  return within(out, style.width);
+}
+
+std::string parameter_size(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
+  std::string text = with_interval(p);
+  const Encoder* encoder = encoder_of(spec, cause.effect.joint);
+  if (!encoder) return text;
+  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
+    if (row.name == p.figure.name && row.coordinate)
+      text += " = " + significant(p.figure.value / encoder->resolution, 3) + " counts";
+  return text;
+}
+
+/// The joints with a cause, or the tip, and the gain of each.
+std::vector<std::pair<std::string, Gain>> gains_by_place(const Diagnosis& d) {
+  std::vector<std::pair<std::string, Gain>> all;
+  for (const Cause& c : d.causes)
+    if (std::ranges::none_of(all, [&](const auto& known) { return known.first == place_of(c); }))
+      all.emplace_back(place_of(c), c.gain);
+  return all;
+}
+
+std::string whole_place(const Diagnosis& d) { return d.gain.of_tip ? "the tip" : "all joints"; }
+
+TableRows gain_rows(const Diagnosis& d) {
+  TableRows rows{{"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
+  for (const auto& [place, gain] : gains_by_place(d)) rows.push_back(gain_row(place, gain));
+  // The total of a single place would repeat its row.
+  if (rows.size() != 2 || d.causes.front().gain.rms_before != d.gain.rms_before)
+    rows.push_back(gain_row(whole_place(d), d.gain));
+  return rows;
+}
+
+std::vector<std::string> prediction_lines(const Gain& g) {
+  std::vector<std::string> out;
+  if (std::isfinite(g.coverage))
+    out.push_back(percent(g.coverage) + " of the readings are in the extended model's central 95 % interval");
+  if (std::isfinite(g.log_score))
+    out.push_back("log-likelihood per reading: " + significant(g.log_score, 3) +
+                  " more than without the causes");
+  return out;
+}
+
+std::vector<std::string> remainder_lines(const Diagnosis& d) {
+  if (d.verdict == Verdict::cannot_judge) return {};
+  std::vector<std::string> out;
+  for (const auto& [place, gain] : gains_by_place(d)) out.push_back(remainder_line(place, gain));
+  if (out.empty() && d.gain.rms_after > 0) out.push_back(remainder_line(whole_place(d), d.gain));
+  const bool of_joints = std::ranges::any_of(d.causes, [](const Cause& c) { return !c.gain.of_tip; });
+  if (d.check && of_joints)
+    out.push_back(reproduction_line("all joints", *d.check, d.gain.of_tip ? "rad" : d.gain.unit));
+  if (d.tip_check) out.push_back(reproduction_line("the tip", *d.tip_check, "m"));
+  return out;
+}
+
+std::string place_of(const DataFinding& f) {
+  std::vector<std::string> parts;
+  if (!f.joint.empty()) parts.push_back(shown(f.joint));
+  if (f.row) parts.push_back("row " + std::to_string(*f.row));
+  if (f.time) parts.push_back(significant(*f.time, 6) + " s");
+  return parts.empty() ? "the whole record" : joined(parts);
+}
+
+std::vector<std::string> advice_lines(const Diagnosis& d) {
+  std::vector<std::string> out;
+  std::vector<std::string> seen;
+  for (const Unidentified& u : d.unexplained) {
+    // What is wrong with the record itself comes with a remedy of its own.
+    if (u.shape == Shape::unknown &&
+        std::ranges::any_of(d.data, [&](const DataFinding& f) { return f.joint == u.joint; }))
+      continue;
+    const std::string advice = u.next.empty() ? shape_advice(u.shape) : u.next;
+    if (add_once(seen, advice)) out.push_back(shown(u.joint) + ": " + advice);
+  }
+  return out;
+}
+
+std::string shape_words(const Spec& spec, const Unidentified& u) { return row_of(u.shape).words({spec, u}); }
+
 std::string arc_text(double angle) {
   const double size = std::abs(angle) / degree;
   if (size >= 1) return significant(angle / degree, 3) + " deg";
   if (size >= 1.0 / 60) return significant(angle / degree * 60, 3) + " arcmin";
   return significant(angle / degree * 3600, 3) + " arcsec";
-}
-
-std::string size_text(double value, const std::string& unit, const Encoder* encoder) {
-  std::string text = encoder ? significant(value / encoder->resolution, 3) + " counts = " : "";
-  text += readable(value, unit);
-  return unit == "rad" ? text + " = " + arc_text(value) : text;
 }
 
 std::string curve_picture(const Spec& spec, const std::string& joint, const ResidualCurve& curve,

@@ -46,8 +46,8 @@ std::string identifier(const std::string& name, const std::vector<CodedFilter>& 
       std::find(std::begin(names_in_use), std::end(names_in_use), id) != std::end(names_in_use))
     id = "filter_" + id;
   const auto taken = [&](const std::string& text) {
-    return std::any_of(others.begin(), others.end(),
-                       [&](const CodedFilter& f) { return in_capitals(f.name) == in_capitals(text); });
+    return std::ranges::any_of(
+        others, [&](const CodedFilter& f) { return in_capitals(f.name) == in_capitals(text); });
   };
   std::string own = id;
   for (int i = 2; taken(own); ++i) own = id + '_' + std::to_string(i);

@@ -18,11 +18,6 @@
 
 namespace qerr {
 
-std::string MotionQuestion::unit() const {
-  if (in_counts) return sine ? "counts" : "counts/sample";
-  return std::string(length ? "m" : "rad") + (sine ? "" : "/s");
-}
-
 namespace {
 
 double counts_of(const MotionQuestion& m, double resolution, double rate) {
@@ -129,7 +124,51 @@ std::string instead(double gain) {
                                             : "are its coefficients scaled by 1/T?");
 }
 
+double rate_of(const Spec& spec) {
+  const auto derivative =
+      std::ranges::find_if(spec.filters, [](const NamedFilter& f) { return f.filter.derivative > 0; });
+  return (derivative == spec.filters.end() ? spec.filters.front() : *derivative).filter.sample_rate;
+}
+
+/// The timer's frequency: of the question, else of the spec's first estimator that has one, else the rate.
+double clock_of(const Spec& spec, std::optional<double> asked) {
+  if (asked) return *asked;
+  for (const EstimatorDesign& d : spec.estimators)
+    if (const auto clock = d.numbers.find("clock"); clock != d.numbers.end()) return clock->second;
+  return rate_of(spec);
+}
+
+/// Counts per sample from 0.015, or from below the crossing, to 7.5, or to above it.
+std::vector<double> speeds_around(double crossing) {
+  std::vector<double> speeds;
+  const double first =
+      crossing > 0 ? std::pow(10, std::min(-2.0, std::floor(std::log10(crossing / 2)))) : 0.01;
+  for (double decade = first; speeds.empty() || speeds.back() < std::max(5.0, 2 * crossing); decade *= 10)
+    for (const double digit : {1.5, 3.5, 7.5}) speeds.push_back(digit * decade);
+  return speeds;
+}
+
+/// Every n-th sample of a filter's memory.
+struct Thinning {
+  std::size_t count, every;
+};
+
+/// Until the slowest pole has decayed to exp(-30); at most 1e5 samples of the first 2e7.
+Thinning thinning(const Filter& filter) {
+  constexpr double most_written = 1e5, most_computed = 2e7;
+  const double modulus = poles_max_modulus(filter);
+  const double decay = modulus < 1 ? -30 / std::log(std::max(modulus, 1e-3)) : INFINITY;
+  const double wanted = std::min(16 + static_cast<double>(filter.taps.size()) + decay, most_computed);
+  const double every = std::ceil(wanted / most_written);
+  return {static_cast<std::size_t>(wanted / every), static_cast<std::size_t>(every)};
+}
+
 }  // namespace
+
+std::string MotionQuestion::unit() const {
+  if (in_counts) return sine ? "counts" : "counts/sample";
+  return std::string(length ? "m" : "rad") + (sine ? "" : "/s");
+}
 
 std::vector<std::string> filter_warnings(const Spec& spec) {
   std::vector<std::string> warnings;
@@ -183,34 +222,6 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
   return report;
 }
 
-namespace {
-
-double rate_of(const Spec& spec) {
-  const auto derivative = std::find_if(spec.filters.begin(), spec.filters.end(),
-                                       [](const NamedFilter& f) { return f.filter.derivative > 0; });
-  return (derivative == spec.filters.end() ? spec.filters.front() : *derivative).filter.sample_rate;
-}
-
-/// The timer's frequency: of the question, else of the spec's first estimator that has one, else the rate.
-double clock_of(const Spec& spec, std::optional<double> asked) {
-  if (asked) return *asked;
-  for (const EstimatorDesign& d : spec.estimators)
-    if (const auto clock = d.numbers.find("clock"); clock != d.numbers.end()) return clock->second;
-  return rate_of(spec);
-}
-
-/// Counts per sample from 0.015, or from below the crossing, to 7.5, or to above it.
-std::vector<double> speeds_around(double crossing) {
-  std::vector<double> speeds;
-  const double first =
-      crossing > 0 ? std::pow(10, std::min(-2.0, std::floor(std::log10(crossing / 2)))) : 0.01;
-  for (double decade = first; speeds.empty() || speeds.back() < std::max(5.0, 2 * crossing); decade *= 10)
-    for (const double digit : {1.5, 3.5, 7.5}) speeds.push_back(digit * decade);
-  return speeds;
-}
-
-}  // namespace
-
 EstimatorReport estimator_report(const Spec& spec, std::optional<double> clock) {
   EstimatorReport report{rate_of(spec), clock_of(spec, clock), {}};
   const auto& joints = spec.model.chain.independent;
@@ -234,25 +245,6 @@ EstimatorReport estimator_report(const Spec& spec, std::optional<double> clock) 
   }
   return report;
 }
-
-namespace {
-
-/// Every n-th sample of a filter's memory.
-struct Thinning {
-  std::size_t count, every;
-};
-
-/// Until the slowest pole has decayed to exp(-30); at most 1e5 samples of the first 2e7.
-Thinning thinning(const Filter& filter) {
-  constexpr double most_written = 1e5, most_computed = 2e7;
-  const double modulus = poles_max_modulus(filter);
-  const double decay = modulus < 1 ? -30 / std::log(std::max(modulus, 1e-3)) : INFINITY;
-  const double wanted = std::min(16 + static_cast<double>(filter.taps.size()) + decay, most_computed);
-  const double every = std::ceil(wanted / most_written);
-  return {static_cast<std::size_t>(wanted / every), static_cast<std::size_t>(every)};
-}
-
-}  // namespace
 
 std::string response_csv(const FilterReport& report) {
   constexpr int points = 500;

@@ -80,7 +80,7 @@ void scan_family(const FilterFamily& family, int derivative, double sample_rate,
 
 /// The filters that no other one equals in delay and noise, by ascending delay.
 std::vector<ScannedFilter> undominated(std::vector<ScannedFilter> all) {
-  std::stable_sort(all.begin(), all.end(), [](const ScannedFilter& a, const ScannedFilter& b) {
+  std::ranges::stable_sort(all, [](const ScannedFilter& a, const ScannedFilter& b) {
     return a.delay != b.delay ? a.delay < b.delay : a.h2 < b.h2;
   });
   std::vector<ScannedFilter> front;
@@ -117,8 +117,8 @@ std::string delay_table(const std::vector<ScannedFilter>& front, double most, co
   for (int decade = -7; decade < 3; ++decade)
     for (const double digit : {1.0, 2.0, 3.0, 5.0}) {
       const double delay = digit * std::pow(10, decade);
-      const auto after = std::find_if(front.begin(), front.end(),
-                                      [&](const ScannedFilter& f) { return f.delay > delay * (1 + 1e-9); });
+      const auto after =
+          std::ranges::find_if(front, [&](const ScannedFilter& f) { return f.delay > delay * (1 + 1e-9); });
       if (after == front.begin() || delay > most) continue;
       const ScannedFilter& f = *(after - 1);
       if (f.delay <= 0 || f.delay < 0.1 * delay) continue;
@@ -144,7 +144,7 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
   // Delays of the front span decades; those of predictors, at or below 0, have no logarithm: they are told
   // below the picture, unless there is no other.
   const auto is_late = [](const FilterFigures* filter) { return filter->group_delay > 0; };
-  plot.x.logarithmic = std::any_of(filters.begin(), filters.end(), is_late);
+  plot.x.logarithmic = std::ranges::any_of(filters, is_late);
   std::string early;
   for (const FilterFigures* f : filters)
     if (plot.x.logarithmic && !is_late(f))
@@ -200,9 +200,9 @@ std::string noise_figures(const FilterReport& r) {
       "noise; how far they track the motion is not compared.</p><div class=\"figures\">";
   for (const auto& [like, filters] : groups) {
     const auto [derivative, rate] = like;
-    const bool several_rates =
-        std::count_if(groups.begin(), groups.end(),
-                      [order = derivative](const auto& g) { return g.first.first == order; }) > 1;
+    const bool several_rates = std::ranges::count_if(groups, [order = derivative](const auto& g) {
+                                 return g.first.first == order;
+                               }) > 1;
     out += noise_figure("Noise against delay, derivative " + std::to_string(derivative) +
                             (several_rates ? " at " + readable(rate, "Hz") : ""),
                         filters);
@@ -315,12 +315,10 @@ std::string answer_of_many(const FilterReport& r) {
   for (const FilterFigures& f : r.filters) like[f.filter.derivative].push_back(&f);
   std::string text = "Of " + counted(r.filters.size(), "filter");
   for (const auto& [derivative, filters] : like) {
-    const auto quietest = *std::min_element(filters.begin(), filters.end(), [](const auto* a, const auto* b) {
-      return a->norms.h2 < b->norms.h2;
-    });
-    const auto fastest = *std::min_element(filters.begin(), filters.end(), [](const auto* a, const auto* b) {
-      return a->group_delay < b->group_delay;
-    });
+    const auto quietest = *std::ranges::min_element(
+        filters, [](const auto* a, const auto* b) { return a->norms.h2 < b->norms.h2; });
+    const auto fastest = *std::ranges::min_element(
+        filters, [](const auto* a, const auto* b) { return a->group_delay < b->group_delay; });
     text += (derivative == like.begin()->first ? ", derivative " : "; derivative ") +
             std::to_string(derivative) + ": " + page::isolated(quietest->name) + " has the least noise, " +
             readable(quietest->norms.h2, rate_unit(derivative)) + ", and " + page::isolated(fastest->name) +

@@ -91,6 +91,32 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
   return rows;
 }
 
+/// A further column, by its name.
+auto note(std::string_view name) {
+  return [name](const ListReport::Row& row) {
+    for (const auto& [of, text] : row.notes)
+      if (of == name) return text;
+    return std::string();
+  };
+}
+
+/// Name, unit, meaning, choices and default in one sentence.
+std::string described(const Parameter& p) {
+  std::string text(p.name);
+  if (const std::string unit = parameter_unit(p); !unit.empty()) text += " [" + unit + ']';
+  text += ": " + std::string(p.meaning);
+  if (!p.choices.empty()) {
+    text += " (";
+    const std::vector<std::string> words = choices_of(p);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      text += (i ? ", " : "") + words[i] + (i ? "" : " by default");
+    text += ')';
+  }
+  if (p.fallback) text += " (default " + shortest(*p.fallback) + ')';
+  if (p.required) text += " (required)";
+  return text;
+}
+
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
@@ -123,19 +149,6 @@ std::string to_csv(const ListReport& report, const Style&) {
   return out;
 }
 
-namespace {
-
-/// A further column, by its name.
-auto note(std::string_view name) {
-  return [name](const ListReport::Row& row) {
-    for (const auto& [of, text] : row.notes)
-      if (of == name) return text;
-    return std::string();
-  };
-}
-
-}  // namespace
-
 RowsOf<Parameter> rows(Of<Parameter>) {
   return {{"name", &Parameter::name},
           {"unit", parameter_unit, "SI; empty of a pure number and of other kinds"},
@@ -154,27 +167,6 @@ RowsOf<ListReport::Row> rows(Of<ListReport::Row>) {
           {"stage", note("stage"), "of an effect: where it acts", optional},
           {"typical", note("typical"), "of an effect: usual magnitudes", optional}};
 }
-
-namespace {
-
-/// Name, unit, meaning, choices and default in one sentence.
-std::string described(const Parameter& p) {
-  std::string text(p.name);
-  if (const std::string unit = parameter_unit(p); !unit.empty()) text += " [" + unit + ']';
-  text += ": " + std::string(p.meaning);
-  if (!p.choices.empty()) {
-    text += " (";
-    const std::vector<std::string> words = choices_of(p);
-    for (std::size_t i = 0; i < words.size(); ++i)
-      text += (i ? ", " : "") + words[i] + (i ? "" : " by default");
-    text += ')';
-  }
-  if (p.fallback) text += " (default " + shortest(*p.fallback) + ')';
-  if (p.required) text += " (required)";
-  return text;
-}
-
-}  // namespace
 
 std::string to_table(const ListReport& report, const Style& style) {
   std::string out;

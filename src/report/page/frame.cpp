@@ -129,8 +129,7 @@ std::string decade_label(double value) {
   if (std::abs(exponent) < 4 || std::abs(value / std::pow(10, exponent) - 1) > 1e-9)
     return significant(value, 6);
   std::string out = exponent < 0 ? "10⁻" : "10";
-  for (const char digit : fixed_point(std::abs(exponent), 0))
-    out += raised[static_cast<std::size_t>(digit - '0')];
+  for (const char digit : fixed_point(std::abs(exponent), 0)) out += raised[digit - '0'];
   return out;
 }
 

@@ -63,8 +63,8 @@ PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vec
                                ? ""
                                : "; degrees need their unit: " + quoted(joint.name + "=90deg")));
   }
-  Eigen::VectorXd q(static_cast<Eigen::Index>(at.joints.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = at.joints[static_cast<std::size_t>(i)].second;
+  Eigen::VectorXd q(std::ssize(at.joints));
+  for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = at.joints[i].second;
   at.pose = forward_kinematics(chain, q);
   return at;
 }
@@ -227,9 +227,9 @@ std::string summary(const RobotReport& report) {
 /// Whether all ends that move have one base, which then needs no column.
 bool one_base(const RobotReport& report) {
   const auto moves = [](const TreeEnd& end) { return !end.joints.empty(); };
-  const auto first = std::find_if(report.ends.begin(), report.ends.end(), moves);
-  return std::all_of(report.ends.begin(), report.ends.end(),
-                     [&](const TreeEnd& end) { return !moves(end) || end.base == first->base; });
+  const auto first = std::ranges::find_if(report.ends, moves);
+  return std::ranges::all_of(report.ends,
+                             [&](const TreeEnd& end) { return !moves(end) || end.base == first->base; });
 }
 
 /// Ends moved by the same joints are one row: the likeliest tip and the number of the others.

@@ -100,10 +100,9 @@ std::vector<CutoffChoice> cutoff_choices(const SimulationReport& r) {
 }
 
 std::size_t best_of(const std::vector<CutoffChoice>& choices) {
-  const auto best =
-      std::min_element(choices.begin(), choices.end(),
-                       [](const CutoffChoice& a, const CutoffChoice& b) { return a.total < b.total; });
-  return static_cast<std::size_t>(best - choices.begin());
+  const auto best = std::ranges::min_element(
+      choices, [](const CutoffChoice& a, const CutoffChoice& b) { return a.total < b.total; });
+  return best - choices.begin();
 }
 
 std::string cutoff_unit(const SimulationReport& r) { return shown_unit("m", r.spec.filters[0].filter); }
@@ -138,7 +137,7 @@ std::string sigma_table(const SimulationReport& r, const Style& style) {
 /// Means are shown if one of them is not small compared with its sigma.
 std::string peak_table(const SimulationReport& r, const Style& style) {
   const std::vector<NamedSignal> signals = signals_of(r);
-  const bool has_means = std::any_of(signals.begin(), signals.end(), [](const NamedSignal& named) {
+  const bool has_means = std::ranges::any_of(signals, [](const NamedSignal& named) {
     const SimulatedSignal& s = named.signal;
     return std::abs(s.mean_simulated) > 0.5 * s.sigma_simulated && !is_constant(s);
   });
@@ -152,9 +151,8 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
                     bounded ? percent(s.peak_simulated / s.worst_case_path) : ""});
     if (has_means) rows.back().insert(rows.back().begin() + 1, readable(s.mean_simulated, named.shown_unit));
   }
-  const bool gaussian = std::any_of(r.spec.effects.begin(), r.spec.effects.end(), [](const Effect& e) {
-    return effect_kind(e.type).random() && has_size(e);
-  });
+  const bool gaussian = std::ranges::any_of(
+      r.spec.effects, [](const Effect& e) { return effect_kind(e.type).random() && has_size(e); });
   return fitted_table(rows, style.width) +
          (gaussian ? "  (the worst case of noise and jitter is four sigma, which they exceed occasionally)\n"
                    : "");
@@ -317,11 +315,9 @@ std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport& r) {
     }
     const std::array factors{s.ladder.varying_jacobian, s.ladder.joint_error, s.ladder.correlated_joints,
                              s.ladder.nonlinear};
-    const auto worst = std::max_element(factors.begin(), factors.end(), [](double a, double b) {
-      return std::abs(std::log(a)) < std::abs(std::log(b));
-    });
-    found[static_cast<std::size_t>(worst - factors.begin())].push_back(
-        label_of(named) + (off > 0 ? " (+" : " (") + percent(off) + ')');
+    const auto worst = std::ranges::max_element(
+        factors, [](double a, double b) { return std::abs(std::log(a)) < std::abs(std::log(b)); });
+    found[worst - factors.begin()].push_back(label_of(named) + (off > 0 ? " (+" : " (") + percent(off) + ')');
   }
   std::vector<IpqnDeviation> all;
   const auto add = [&](const std::string& why, const std::vector<std::string>& labels) {

@@ -103,7 +103,7 @@ std::string path_figures(const SimulationReport& r) {
     if (!(box.sizes()[a] > 0 || box.sizes()[b] > 0)) continue;
     page::Series line{"path", {}};
     for (const Eigen::Vector3d& tip : tips) line.points.emplace_back(tip[a], tip[b]);
-    const std::string x = axes[static_cast<std::size_t>(a)], y = axes[static_cast<std::size_t>(b)];
+    const std::string x = axes[a], y = axes[b];
     page::Series begin{"begin", {line.points.front()}, true, false},
         end{"end", {line.points.back()}, true, false};
     page::Plot plot{"Path of the tip, view " + x + y,
@@ -386,7 +386,7 @@ page::Page page_of(const SimulationReport& r) {
                                                        page::table(factor_cells(r), "sigma of") + "</div>") +
                                         deviation_list(r));
   page.add("Path of the tip", path_figures(r));
-  const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
+  const auto signals = std::ssize(page.sections);
   page.add("All figures", figure_tables(r));
   page.add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
   if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())

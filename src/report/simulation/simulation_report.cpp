@@ -55,10 +55,9 @@ void warn_of_a_short_motion(const SimulationReport& r, std::vector<std::string>&
 std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
   std::vector<std::string> warnings;
   warn_of_a_short_motion(r, warnings);
-  const bool without_exact = std::any_of(
-      r.simulation.results.begin(), r.simulation.results.end(), [](const std::vector<SimulatedSignal>& row) {
-        return std::any_of(row.begin(), row.end(),
-                           [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); });
+  const bool without_exact =
+      std::ranges::any_of(r.simulation.results, [](const std::vector<SimulatedSignal>& row) {
+        return std::ranges::any_of(row, [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); });
       });
   if (exact && without_exact)
     warnings.emplace_back(
@@ -70,7 +69,7 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
     warnings.push_back("not compared: " + joined(names) + ", as only coordinates of the tip are");
   }
   const auto& positions = r.simulation.results[0];
-  if (std::any_of(positions.begin(), positions.end(), [](const SimulatedSignal& s) {
+  if (std::ranges::any_of(positions, [](const SimulatedSignal& s) {
         return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);
       }))
     warnings.push_back(
@@ -132,7 +131,7 @@ LogWriter::LogWriter(const Spec& spec)
       efforts_(has_masses(spec.model.chain) || (spec.motion && states_any(spec.motion->table.efforts))),
       temperatures_(spec.motion && states_any(spec.motion->table.temperatures)) {
   for (const IndependentJoint& joint : spec.model.chain.independent)
-    rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+    rounded_.push_back(std::ranges::any_of(spec.effects, [&](const Effect& e) {
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
     }));
   // Without the counts of one encoder, positions are recorded of every joint that it moves.
@@ -158,7 +157,7 @@ std::string LogWriter::header() const {
     if (efforts_) {
       const std::vector<RecordedSignal>& stated = spec_.motion->table.efforts;
       const bool recorded = i < stated.size() && stated[i].values.size() > 0;
-      const std::string own = recorded ? stated[i].unit : joint.prismatic() ? "N" : "N m";
+      const std::string own = recorded ? stated[i].unit : joint.effort_unit();
       text += ',' + csv_cell(joint.name + ".effort [" + own + ']');
     }
     if (temperatures_) text += ',' + csv_cell(joint.name + ".temperature [K]");
@@ -170,16 +169,15 @@ std::string_view LogWriter::row(const Reading& r) {
   text_.clear();
   append_number(text_, r.time);
   for (std::size_t i = 0; i < rounded_.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
     text_ += ',';
     if (rounded_[i])
-      append_number(text_, r.logged[row]);
+      append_number(text_, r.logged[i]);
     else
-      append_number(text_, static_cast<long long>(r.counts[row]));
+      append_number(text_, static_cast<long long>(r.counts[i]));
     text_ += ',';
-    append_number(text_, r.reference[row]);
-    if (efforts_) append_number(text_ += ',', r.effort[row]);
-    if (temperatures_) append_number(text_ += ',', r.temperature_rise[row]);
+    append_number(text_, r.reference[i]);
+    if (efforts_) append_number(text_ += ',', r.effort[i]);
+    if (temperatures_) append_number(text_ += ',', r.temperature_rise[i]);
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     text_ += ',';

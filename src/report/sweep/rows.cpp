@@ -15,6 +15,31 @@
 
 namespace qerr {
 
+namespace {
+
+using Statistics = std::vector<const StatisticKind*>;
+
+struct ReportedVariant {
+  const SweptVariant& swept;
+  const SweepGrid& grid;
+  const Statistics& statistics;
+};
+using SweptFilter = In<NamedFilter, ReportedVariant>;
+using SweptResult = In<RequirementResult, ReportedVariant>;
+
+/// The values of the keys that vary, by key.
+std::vector<std::pair<std::string, Json>> values(const ReportedVariant& v) {
+  std::vector<std::pair<std::string, Json>> all;
+  const std::vector<std::string> names = v.grid.names(v.swept.variant);
+  const std::vector<std::size_t> steps = v.grid.steps(v.swept.variant);
+  for (const SweepColumn& column : v.grid.columns())
+    all.emplace_back(column.key, column.values.empty() ? Json(names[all.size()])
+                                                       : Json(column.values[steps[column.axis]]));
+  return all;
+}
+
+/// The number of a variant and the values of its keys, numbers in SI units: the cells at the begin of its
+/// lines, with their commas; and the header of these cells.
 std::string cells_of_variant(const SweepGrid& grid, std::uint64_t variant) {
   std::string cells = std::to_string(variant) + ',';
   const std::vector<std::size_t> steps = grid.steps(variant);
@@ -27,23 +52,13 @@ std::string cells_of_variant(const SweepGrid& grid, std::uint64_t variant) {
   return cells;
 }
 
+/// The number of a variant and the values of its keys, numbers in SI units: the cells at the begin of its
+/// lines, with their commas; and the header of these cells.
 std::string header_of_variants(const SweepGrid& grid) {
   std::string header = "variant,";
   for (const SweepColumn& column : grid.columns()) header += csv_cell(column.header()) + ',';
   return header;
 }
-
-SweepRows tidy_rows(const SweepGrid& grid, std::vector<const StatisticKind*> statistics) {
-  SweepRows rows{header_of_variants(grid) + std::string(analysis_csv_header), {}};
-  rows.lines = [&grid, statistics = std::move(statistics)](const SweptVariant& v) {
-    const std::string cells = cells_of_variant(grid, v.variant);
-    if (!v.check) return cells + "error,,,," + csv_cell(v.fault) + ",,\r\n";
-    return analysis_csv_rows(v.check->analysis, cells, statistics);
-  };
-  return rows;
-}
-
-namespace {
 
 /// A cell of a variant's row, with the header of its column.
 struct WideCell {
@@ -155,9 +170,9 @@ class WideColumns {
   void add(const std::vector<WideCell>& cells) {
     std::size_t after = 0;  // a new column follows the one that precedes it in its variant
     for (const WideCell& cell : cells) {
-      const auto found = std::find(names_.begin(), names_.end(), cell.column);
+      const auto found = std::ranges::find(names_, cell.column);
       if (found == names_.end())
-        names_.insert(names_.begin() + static_cast<std::ptrdiff_t>(after++), cell.column);
+        names_.insert(names_.begin() + (after++), cell.column);
       else
         after = static_cast<std::size_t>(found - names_.begin()) + 1;
     }
@@ -168,49 +183,6 @@ class WideColumns {
   std::vector<std::string> names_;
   std::map<std::string, std::size_t> index_;
 };
-
-}  // namespace
-
-SweepRows wide_rows(const SweepGrid& grid, const SpecVariants& variants,
-                    std::vector<const StatisticKind*> statistics) {
-  const auto columns = std::make_shared<const WideColumns>(grid, variants, statistics);
-  SweepRows rows{header_of_variants(grid), {}};
-  for (const std::string& name : columns->names()) rows.header += csv_cell(name) + ',';
-  rows.header += "error";
-  rows.lines = [&grid, columns, statistics = std::move(statistics)](const SweptVariant& v) {
-    std::vector<std::string> cells(columns->names().size());
-    if (v.check)
-      for (WideCell& cell : cells_of(*v.check, statistics))
-        cells[columns->index(cell.column, grid, v.variant)] = std::move(cell.text);
-    std::string line = cells_of_variant(grid, v.variant);
-    for (const std::string& cell : cells) line += cell + ',';
-    return line + csv_cell(v.fault) + "\r\n";
-  };
-  return rows;
-}
-
-namespace {
-
-using Statistics = std::vector<const StatisticKind*>;
-
-struct ReportedVariant {
-  const SweptVariant& swept;
-  const SweepGrid& grid;
-  const Statistics& statistics;
-};
-using SweptFilter = In<NamedFilter, ReportedVariant>;
-using SweptResult = In<RequirementResult, ReportedVariant>;
-
-/// The values of the keys that vary, by key.
-std::vector<std::pair<std::string, Json>> values(const ReportedVariant& v) {
-  std::vector<std::pair<std::string, Json>> all;
-  const std::vector<std::string> names = v.grid.names(v.swept.variant);
-  const std::vector<std::size_t> steps = v.grid.steps(v.swept.variant);
-  for (const SweepColumn& column : v.grid.columns())
-    all.emplace_back(column.key, column.values.empty() ? Json(names[all.size()])
-                                                       : Json(column.values[steps[column.axis]]));
-  return all;
-}
 
 /// A getter of the analysis of a variant: empty if it cannot be computed.
 template <class Getter>
@@ -246,7 +218,50 @@ auto units(const SweepHead& h) {
   return by_name(columns, &SweepColumn::key, &SweepColumn::unit);
 }
 
+std::vector<std::string> headers(const Spec& spec) {
+  std::vector<std::string> headers;
+  if (!spec.requirements.empty()) {
+    for (const Requirement& r : spec.requirements) headers.push_back(shown(in_words(r.name())));
+    headers.emplace_back("met");
+    return headers;
+  }
+  const std::vector<Signal> coordinates = all_signals(spec.model);
+  for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
+  for (const NamedFilter& f : spec.filters)
+    for (const Signal& c : coordinates)
+      if (is_filtered(f, c)) headers.push_back(shown(in_words(f.name)) + ' ' + c.name + " sigma max");
+  return headers;
+}
+
 }  // namespace
+
+SweepRows tidy_rows(const SweepGrid& grid, std::vector<const StatisticKind*> statistics) {
+  SweepRows rows{header_of_variants(grid) + std::string(analysis_csv_header), {}};
+  rows.lines = [&grid, statistics = std::move(statistics)](const SweptVariant& v) {
+    const std::string cells = cells_of_variant(grid, v.variant);
+    if (!v.check) return cells + "error,,,," + csv_cell(v.fault) + ",,\r\n";
+    return analysis_csv_rows(v.check->analysis, cells, statistics);
+  };
+  return rows;
+}
+
+SweepRows wide_rows(const SweepGrid& grid, const SpecVariants& variants,
+                    std::vector<const StatisticKind*> statistics) {
+  const auto columns = std::make_shared<const WideColumns>(grid, variants, statistics);
+  SweepRows rows{header_of_variants(grid), {}};
+  for (const std::string& name : columns->names()) rows.header += csv_cell(name) + ',';
+  rows.header += "error";
+  rows.lines = [&grid, columns, statistics = std::move(statistics)](const SweptVariant& v) {
+    std::vector<std::string> cells(columns->names().size());
+    if (v.check)
+      for (WideCell& cell : cells_of(*v.check, statistics))
+        cells[columns->index(cell.column, grid, v.variant)] = std::move(cell.text);
+    std::string line = cells_of_variant(grid, v.variant);
+    for (const std::string& cell : cells) line += cell + ',';
+    return line + csv_cell(v.fault) + "\r\n";
+  };
+  return rows;
+}
 
 RowsOf<SweptFigure> rows(Of<SweptFigure>) {
   RowsOf<SweptFigure> all{{"quantity", &SweptFigure::quantity, "as requirements name it"},
@@ -254,7 +269,7 @@ RowsOf<SweptFigure> rows(Of<SweptFigure>) {
   for (const StatisticKind& kind : statistic_kinds())
     all = all.with({{kind.name,
                      [&kind](auto& f) {
-                       const bool asked = std::count(f.asked.begin(), f.asked.end(), &kind) > 0;
+                       const bool asked = std::ranges::count(f.asked, &kind) > 0;
                        return only_if(asked, std::optional(f.statistic.*kind.value));
                      },
                      optional}});
@@ -316,28 +331,9 @@ SweepJson sweep_json(const SpecVariants& variants, const SweepGrid& grid) {
 Json sweep_schema() { return schema_of<SweepHead>(); }
 
 std::string in_words(std::string path) {
-  std::replace(path.begin(), path.end(), '.', ' ');
+  std::ranges::replace(path, '.', ' ');
   return path;
 }
-
-namespace {
-
-std::vector<std::string> headers(const Spec& spec) {
-  std::vector<std::string> headers;
-  if (!spec.requirements.empty()) {
-    for (const Requirement& r : spec.requirements) headers.push_back(shown(in_words(r.name())));
-    headers.emplace_back("met");
-    return headers;
-  }
-  const std::vector<Signal> coordinates = all_signals(spec.model);
-  for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
-  for (const NamedFilter& f : spec.filters)
-    for (const Signal& c : coordinates)
-      if (is_filtered(f, c)) headers.push_back(shown(in_words(f.name)) + ' ' + c.name + " sigma max");
-  return headers;
-}
-
-}  // namespace
 
 SweepTable::SweepTable(const SpecVariants& variants, const SweepGrid& grid)
     : variants_(variants), grid_(grid) {

@@ -20,11 +20,6 @@ struct SweepRows {
   std::function<std::string(const SweptVariant&)> lines;
 };
 
-/// The number of a variant and the values of its keys, numbers in SI units: the cells at the begin of its
-/// lines, with their commas; and the header of these cells.
-std::string cells_of_variant(const SweepGrid&, std::uint64_t variant);
-std::string header_of_variants(const SweepGrid&);
-
 /// One row a figure: the variant, its keys, and the columns of an analysis in CSV. A variant that cannot be
 /// computed has one row with the signal `error` and the fault in the column `bound`.
 /// @param grid  must outlive the rows, as in all functions below

@@ -36,6 +36,113 @@ SweepColumn sweep_column(const SweepAxis& axis, std::size_t number, std::size_t 
   return column;
 }
 
+/// The first fault, without its place, which is the same for many variants.
+std::string fault_text(const Error& error) {
+  Fault fault = error.faults().front();
+  fault.place = {};
+  const std::string text = format({fault});
+  constexpr std::string_view program = "qerr: ";  // in place of a place
+  return text.starts_with(program) ? text.substr(program.size()) : text;
+}
+
+/// @param evaluate  what can fail
+/// @returns whether it failed, because of the input
+template <class Evaluate>
+bool failed(SweptVariant& v, Evaluate evaluate) {
+  try {
+    evaluate();
+    return false;
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
+    v.fault = fault_text(e);
+    return true;
+  }
+}
+
+/// Building columns takes the time of about 2 variants, or 20 where frames are needed (ErrorColumns).
+constexpr std::uint64_t fewest_sharing = 8;
+/// Bytes of the columns of one robot.
+constexpr double most_memory = 4e8;
+/// Variants that are tried to find one that can be read.
+constexpr std::uint64_t most_tried = 100;
+
+/// Sections on which the columns do not depend.
+bool is_light(const SweepAxis& axis) {
+  constexpr std::array<std::string_view, 6> light{"encoders",  "filters", "requirements",
+                                                  "threshold", "motion",  "effects"};
+  return std::ranges::all_of(axis.keys, [&](const std::string& key) {
+    return contains(light, key.substr(0, key.find_first_of(".[")));
+  });
+}
+
+bool adds_effects(const SweepAxis& axis) {
+  return std::ranges::any_of(axis.keys, [](const std::string& key) { return key.starts_with("effects"); }) ||
+         std::ranges::any_of(axis.steps, [](const auto& s) { return !s.effects.empty(); });
+}
+
+/// The wanted statistics and those of the requirements; all of them where requirements vary.
+std::vector<const StatisticKind*> with_requirements(std::vector<const StatisticKind*> wanted,
+                                                    const Spec& spec, const SweepGrid& grid) {
+  for (const std::string& key : grid.keys())
+    if (key.starts_with("requirements")) return all_statistics();
+  for (const Requirement& r : spec.requirements)
+    for (const StatisticKind& kind : statistic_kinds())
+      if (kind.value == r.value) wanted.push_back(&kind);
+  return wanted;
+}
+
+struct Waiting {
+  std::vector<SweptVariant*> variants;
+  std::vector<std::vector<Norms>> norms;
+
+  void evaluate(const ErrorColumns& columns, const ColumnStatistics& statistics) {
+    std::vector<ColumnModel> models;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const Analysis& a = variants[i]->check->analysis;
+      models.push_back(
+          {&a.spec.model, &norms[i], error_weights(columns, a.spec.model, norms[i], a.noise_in_motion)});
+    }
+    std::vector<Workspace> results = workspaces(statistics, models);
+    for (std::size_t i = 0; i < variants.size(); ++i)
+      variants[i]->check->analysis.workspace = std::move(results[i]);
+  }
+};
+
+constexpr std::size_t named_faults = 3, most_faults = 1000;
+
+/// Faults, each with the first variant that has it, whatever the order in which threads meet them.
+class Failures {
+ public:
+  explicit Failures(const SweepGrid& grid) : grid_(grid) {}
+
+  void add(const SweptVariant& v) {
+    const std::lock_guard lock(mutex_);
+    const auto known = first_.find(v.fault);
+    if (known != first_.end())
+      known->second = std::min(known->second, v.variant);
+    else if (first_.size() < most_faults)
+      first_.emplace(v.fault, v.variant);
+  }
+
+  std::vector<std::string> some() const {
+    std::vector<std::string> some;
+    std::map<std::uint64_t, std::string> by_variant;
+    for (const auto& [fault, variant] : first_) by_variant.emplace(variant, fault);
+    for (const auto& [variant, fault] : by_variant)
+      if (some.size() < named_faults)
+        some.push_back("variant " + std::to_string(variant) + " (" + grid_.description(variant) +
+                       "): " + fault);
+    return some;
+  }
+
+ private:
+  const SweepGrid& grid_;
+  std::mutex mutex_;
+  std::map<std::string, std::uint64_t> first_;
+};
+
+constexpr char end_of_verdicts = ' ';  // between those of a batch and its text
+
 }  // namespace
 
 SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
@@ -116,66 +223,6 @@ std::optional<Spec> SweepGrid::readable(const SpecVariants& variants,
   }
 }
 
-namespace {
-
-/// The first fault, without its place, which is the same for many variants.
-std::string fault_text(const Error& error) {
-  Fault fault = error.faults().front();
-  fault.place = {};
-  const std::string text = format({fault});
-  constexpr std::string_view program = "qerr: ";  // in place of a place
-  return text.starts_with(program) ? text.substr(program.size()) : text;
-}
-
-/// @param evaluate  what can fail
-/// @returns whether it failed, because of the input
-template <class Evaluate>
-bool failed(SweptVariant& v, Evaluate evaluate) {
-  try {
-    evaluate();
-    return false;
-  } catch (const Error& e) {
-    if (e.trouble() != Trouble::input) throw;
-    v.fault = fault_text(e);
-    return true;
-  }
-}
-
-/// Building columns takes the time of about 2 variants, or 20 where frames are needed (ErrorColumns).
-constexpr std::uint64_t fewest_sharing = 8;
-/// Bytes of the columns of one robot.
-constexpr double most_memory = 4e8;
-/// Variants that are tried to find one that can be read.
-constexpr std::uint64_t most_tried = 100;
-
-/// Sections on which the columns do not depend.
-bool is_light(const SweepAxis& axis) {
-  constexpr std::array<std::string_view, 6> light{"encoders",  "filters", "requirements",
-                                                  "threshold", "motion",  "effects"};
-  return std::all_of(axis.keys.begin(), axis.keys.end(), [&](const std::string& key) {
-    return contains(light, key.substr(0, key.find_first_of(".[")));
-  });
-}
-
-bool adds_effects(const SweepAxis& axis) {
-  return std::any_of(axis.keys.begin(), axis.keys.end(),
-                     [](const std::string& key) { return key.starts_with("effects"); }) ||
-         std::any_of(axis.steps.begin(), axis.steps.end(), [](const auto& s) { return !s.effects.empty(); });
-}
-
-/// The wanted statistics and those of the requirements; all of them where requirements vary.
-std::vector<const StatisticKind*> with_requirements(std::vector<const StatisticKind*> wanted,
-                                                    const Spec& spec, const SweepGrid& grid) {
-  for (const std::string& key : grid.keys())
-    if (key.starts_with("requirements")) return all_statistics();
-  for (const Requirement& r : spec.requirements)
-    for (const StatisticKind& kind : statistic_kinds())
-      if (kind.value == r.value) wanted.push_back(&kind);
-  return wanted;
-}
-
-}  // namespace
-
 ColumnSweep::ColumnSweep(const SpecVariants& variants, const SweepGrid& grid, bool judged,
                          std::vector<const StatisticKind*> wanted, unsigned threads)
     : variants_(variants),
@@ -250,8 +297,8 @@ SweptVariant ColumnSweep::evaluated(std::uint64_t variant, const WorkspaceOption
     Analysis& a = v.check->analysis;
     const OperationalModel& model = a.spec.model;
     if (shared && shared->columns && have_columns(model) &&
-        std::all_of(model.sources.begin(), model.sources.end(),
-                    [&](const IndependentError& s) { return shared->columns->has_column(s); }))
+        std::ranges::all_of(model.sources,
+                            [&](const IndependentError& s) { return shared->columns->has_column(s); }))
       return;
     WorkspaceOptions all = options;
     all.noise_in_motion = a.noise_in_motion;
@@ -273,27 +320,6 @@ void ColumnSweep::judge(SweptVariant& v) const {
   });
   if (undecided) v.check->results.clear();
 }
-
-namespace {
-
-struct Waiting {
-  std::vector<SweptVariant*> variants;
-  std::vector<std::vector<Norms>> norms;
-
-  void evaluate(const ErrorColumns& columns, const ColumnStatistics& statistics) {
-    std::vector<ColumnModel> models;
-    for (std::size_t i = 0; i < variants.size(); ++i) {
-      const Analysis& a = variants[i]->check->analysis;
-      models.push_back(
-          {&a.spec.model, &norms[i], error_weights(columns, a.spec.model, norms[i], a.noise_in_motion)});
-    }
-    std::vector<Workspace> results = workspaces(statistics, models);
-    for (std::size_t i = 0; i < variants.size(); ++i)
-      variants[i]->check->analysis.workspace = std::move(results[i]);
-  }
-};
-
-}  // namespace
 
 std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> variants,
                                                 unsigned inner_threads) const {
@@ -321,45 +347,6 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
   }
   return results;
 }
-
-namespace {
-
-constexpr std::size_t named_faults = 3, most_faults = 1000;
-
-/// Faults, each with the first variant that has it, whatever the order in which threads meet them.
-class Failures {
- public:
-  explicit Failures(const SweepGrid& grid) : grid_(grid) {}
-
-  void add(const SweptVariant& v) {
-    const std::lock_guard lock(mutex_);
-    const auto known = first_.find(v.fault);
-    if (known != first_.end())
-      known->second = std::min(known->second, v.variant);
-    else if (first_.size() < most_faults)
-      first_.emplace(v.fault, v.variant);
-  }
-
-  std::vector<std::string> some() const {
-    std::vector<std::string> some;
-    std::map<std::uint64_t, std::string> by_variant;
-    for (const auto& [fault, variant] : first_) by_variant.emplace(variant, fault);
-    for (const auto& [variant, fault] : by_variant)
-      if (some.size() < named_faults)
-        some.push_back("variant " + std::to_string(variant) + " (" + grid_.description(variant) +
-                       "): " + fault);
-    return some;
-  }
-
- private:
-  const SweepGrid& grid_;
-  std::mutex mutex_;
-  std::map<std::string, std::uint64_t> first_;
-};
-
-constexpr char end_of_verdicts = ' ';  // between those of a batch and its text
-
-}  // namespace
 
 char verdict_of(const SweptVariant& v, bool judged) {
   if (!v.fault.empty()) return 'e';

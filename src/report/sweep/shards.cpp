@@ -50,7 +50,7 @@ void read_named_files(const SpecVariants& variants, const SweepGrid& grid) {
   std::vector<std::size_t> steps(grid.axes().size());
   for (std::size_t a = 0; a < steps.size(); ++a) {
     const SweepAxis& axis = grid.axes()[a];
-    if (std::none_of(axis.keys.begin(), axis.keys.end(), spec_format::may_name_a_file)) continue;
+    if (std::ranges::none_of(axis.keys, spec_format::may_name_a_file)) continue;
     for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a])
       grid.readable(variants, steps);  // where it is not, the variant's rows say what is wrong
     steps[a] = 0;
@@ -65,7 +65,7 @@ void add_files(const std::string& spec, Entries& entries) {
                              ? input.role
                              : input.role + ' ' + plain(std::filesystem::path(input.path).filename()),
                          fingerprint_of_file(input));
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   if (files.size() > most_files) {
     std::string all;
     for (const auto& [name, value] : files) all += name + value;
@@ -73,57 +73,6 @@ void add_files(const std::string& spec, Entries& entries) {
   }
   entries.insert(entries.end(), files.begin(), files.end());
 }
-
-}  // namespace
-
-RunRecord::RunRecord(const SpecVariants& variants, const SweepGrid& grid,
-                     const std::vector<std::pair<std::string, std::string>>& options) {
-  read_named_files(variants, grid);
-  entries_ = {{"version of qerr", plain(std::string(version()))},
-              {"spec", fingerprint(variants.base().sha256)},
-              {"variants", std::to_string(grid.count())}};
-  for (const auto& [name, value] : options)
-    entries_.emplace_back("option " + name, fingerprint(sha256(value)));
-  add_files(variants.base().file, entries_);
-  std::sort(entries_.begin(), entries_.end());
-}
-
-RunRecord::RunRecord(std::string_view text) {
-  while (!text.empty()) {
-    const std::string_view entry = text.substr(0, text.find("; "));
-    text.remove_prefix(std::min(text.size(), entry.size() + 2));
-    const std::size_t equals = entry.rfind('=');
-    if (equals == std::string_view::npos) continue;
-    entries_.emplace_back(entry.substr(0, equals), entry.substr(equals + 1));
-  }
-}
-
-std::string RunRecord::text() const {
-  std::string text;
-  for (const auto& [name, value] : entries_) text += (text.empty() ? "" : "; ") + name + '=' + value;
-  return text;
-}
-
-std::string RunRecord::difference(const RunRecord& other) const {
-  Entries different;
-  std::set_symmetric_difference(entries_.begin(), entries_.end(), other.entries_.begin(),
-                                other.entries_.end(), std::back_inserter(different));
-  std::string names;
-  std::string last;
-  for (const auto& [name, value] : different)
-    // The number of variants follows from the others.
-    if (name != std::exchange(last, name) && name != "variants")
-      names += (names.empty() ? "the " : ", the ") + name;
-  return names;
-}
-
-std::string RunRecord::value(std::string_view wanted) const {
-  for (const auto& [name, value] : entries_)
-    if (name == wanted) return value;
-  return {};
-}
-
-namespace {
 
 constexpr std::string_view shard_word = "shard ";
 
@@ -149,77 +98,6 @@ std::optional<Shard> shard_of(std::string_view text) {
   --shard.first;
   return shard;
 }
-
-}  // namespace
-
-bool CsvLines::next() {
-  constexpr std::size_t block_size = std::size_t{1} << 18;
-  std::size_t end;
-  while ((end = buffer_.find(csv_line_break, at_)) == std::string::npos) {
-    buffer_.erase(0, at_);
-    start_ += at_;
-    at_ = 0;
-    const std::string more = read_(start_ + buffer_.size(), block_size);
-    if (more.empty()) break;
-    buffer_ += more;
-  }
-  begin_ = start_ + at_;
-  ended_ = end != std::string::npos;
-  line_ = std::string_view(buffer_).substr(at_, (ended_ ? end : buffer_.size()) - at_);
-  at_ = ended_ ? end + csv_line_break.size() : buffer_.size();
-  ++number_;
-  return ended_ || !line_.empty();
-}
-
-std::string shard_mark(const Shard& shard, const RunRecord& record) {
-  return std::string(shard_word) + std::to_string(shard.first + 1) + '/' + std::to_string(shard.stride) +
-         "; " + record.text();
-}
-
-std::string marked_lines(const std::string& lines, char verdict, const std::string& mark) {
-  std::string text;
-  for (std::size_t at = 0; at < lines.size();) {
-    const std::size_t end = lines.find(csv_line_break, at), next = end + csv_line_break.size();
-    text.append(lines, at, end - at) += ',';
-    if (next == lines.size()) text.append(1, verdict) += checksum(lines, verdict, mark);
-    text += csv_line_break;
-    at = next;
-  }
-  return text;
-}
-
-const std::optional<ShardHeader>& ShardLines::read_header() {
-  if (!lines_.next()) return header_;
-  const std::string_view line = lines_.line();
-  const std::size_t comma = line.rfind(',');
-  if (comma == std::string_view::npos || !line.substr(comma + 1).starts_with(shard_word)) return header_;
-  const std::string_view mark = line.substr(comma + 1);
-  const std::size_t end = std::min(mark.find("; "), mark.size());
-  if (const auto shard = shard_of(mark.substr(shard_word.size(), end - shard_word.size())))
-    header_ = {std::string(line.substr(0, comma)), std::string(mark), *shard,
-               RunRecord(mark.substr(std::min(mark.size(), end + 2)))};
-  return header_;
-}
-
-bool ShardLines::next() {
-  text_.clear();
-  std::string last;
-  while (last.empty() && lines_.next()) {
-    const std::string_view line = lines_.line();
-    const std::size_t comma = std::min(line.rfind(','), line.size());
-    text_.append(line.substr(0, comma)).append(csv_line_break);
-    last = line.substr(std::min(line.size(), comma + 1));
-    end_ = lines_.begin() + line.size();
-  }
-  if (text_.empty()) return false;
-  verdict_ = last.empty() ? '\0' : last.front();
-  const auto number = std::from_chars(text_.data(), text_.data() + text_.size(), variant_);
-  whole_ =
-      number.ec == std::errc{} && !last.empty() && last.substr(1) == checksum(text_, verdict_, header_->mark);
-  return true;
-}
-
-namespace {
 
 class ShardReader {
  public:
@@ -325,24 +203,6 @@ class Shards {
   std::map<std::uint64_t, ShardReader*> by_number_;
 };
 
-}  // namespace
-
-SweepCounts merge_shards(const std::vector<std::string>& files, const RunRecord* expected,
-                         const std::function<void(const std::string&)>& write) {
-  Shards shards(files, expected);
-  const std::string total = shards.header().record.value("variants");
-  std::uint64_t variants = 0;
-  std::from_chars(total.data(), total.data() + total.size(), variants);
-  write(shards.header().columns + std::string(csv_line_break));
-  SweepCounts counts;
-  for (std::uint64_t variant = 0; variant < variants; ++variant)
-    write(shards.of_variant(variant).take(variant, counts));
-  shards.require_no_more();
-  return counts;
-}
-
-namespace {
-
 using std::chrono::steady_clock;
 
 /// What is computed after the last note is computed once more: a fifth of a second. A disk keeps what was
@@ -388,6 +248,134 @@ std::optional<FileNote> note_of(std::string_view text) {
 }
 
 }  // namespace
+
+RunRecord::RunRecord(const SpecVariants& variants, const SweepGrid& grid,
+                     const std::vector<std::pair<std::string, std::string>>& options) {
+  read_named_files(variants, grid);
+  entries_ = {{"version of qerr", plain(std::string(version()))},
+              {"spec", fingerprint(variants.base().sha256)},
+              {"variants", std::to_string(grid.count())}};
+  for (const auto& [name, value] : options)
+    entries_.emplace_back("option " + name, fingerprint(sha256(value)));
+  add_files(variants.base().file, entries_);
+  std::ranges::sort(entries_);
+}
+
+RunRecord::RunRecord(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view entry = text.substr(0, text.find("; "));
+    text.remove_prefix(std::min(text.size(), entry.size() + 2));
+    const std::size_t equals = entry.rfind('=');
+    if (equals == std::string_view::npos) continue;
+    entries_.emplace_back(entry.substr(0, equals), entry.substr(equals + 1));
+  }
+}
+
+std::string RunRecord::text() const {
+  std::string text;
+  for (const auto& [name, value] : entries_) text += (text.empty() ? "" : "; ") + name + '=' + value;
+  return text;
+}
+
+std::string RunRecord::difference(const RunRecord& other) const {
+  Entries different;
+  std::set_symmetric_difference(entries_.begin(), entries_.end(), other.entries_.begin(),
+                                other.entries_.end(), std::back_inserter(different));
+  std::string names;
+  std::string last;
+  for (const auto& [name, value] : different)
+    // The number of variants follows from the others.
+    if (name != std::exchange(last, name) && name != "variants")
+      names += (names.empty() ? "the " : ", the ") + name;
+  return names;
+}
+
+std::string RunRecord::value(std::string_view wanted) const {
+  for (const auto& [name, value] : entries_)
+    if (name == wanted) return value;
+  return {};
+}
+
+bool CsvLines::next() {
+  constexpr std::size_t block_size = std::size_t{1} << 18;
+  std::size_t end;
+  while ((end = buffer_.find(csv_line_break, at_)) == std::string::npos) {
+    buffer_.erase(0, at_);
+    start_ += at_;
+    at_ = 0;
+    const std::string more = read_(start_ + buffer_.size(), block_size);
+    if (more.empty()) break;
+    buffer_ += more;
+  }
+  begin_ = start_ + at_;
+  ended_ = end != std::string::npos;
+  line_ = std::string_view(buffer_).substr(at_, (ended_ ? end : buffer_.size()) - at_);
+  at_ = ended_ ? end + csv_line_break.size() : buffer_.size();
+  ++number_;
+  return ended_ || !line_.empty();
+}
+
+std::string shard_mark(const Shard& shard, const RunRecord& record) {
+  return std::string(shard_word) + std::to_string(shard.first + 1) + '/' + std::to_string(shard.stride) +
+         "; " + record.text();
+}
+
+std::string marked_lines(const std::string& lines, char verdict, const std::string& mark) {
+  std::string text;
+  for (std::size_t at = 0; at < lines.size();) {
+    const std::size_t end = lines.find(csv_line_break, at), next = end + csv_line_break.size();
+    text.append(lines, at, end - at) += ',';
+    if (next == lines.size()) text.append(1, verdict) += checksum(lines, verdict, mark);
+    text += csv_line_break;
+    at = next;
+  }
+  return text;
+}
+
+const std::optional<ShardHeader>& ShardLines::read_header() {
+  if (!lines_.next()) return header_;
+  const std::string_view line = lines_.line();
+  const std::size_t comma = line.rfind(',');
+  if (comma == std::string_view::npos || !line.substr(comma + 1).starts_with(shard_word)) return header_;
+  const std::string_view mark = line.substr(comma + 1);
+  const std::size_t end = std::min(mark.find("; "), mark.size());
+  if (const auto shard = shard_of(mark.substr(shard_word.size(), end - shard_word.size())))
+    header_ = {std::string(line.substr(0, comma)), std::string(mark), *shard,
+               RunRecord(mark.substr(std::min(mark.size(), end + 2)))};
+  return header_;
+}
+
+bool ShardLines::next() {
+  text_.clear();
+  std::string last;
+  while (last.empty() && lines_.next()) {
+    const std::string_view line = lines_.line();
+    const std::size_t comma = std::min(line.rfind(','), line.size());
+    text_.append(line.substr(0, comma)).append(csv_line_break);
+    last = line.substr(std::min(line.size(), comma + 1));
+    end_ = lines_.begin() + line.size();
+  }
+  if (text_.empty()) return false;
+  verdict_ = last.empty() ? '\0' : last.front();
+  const auto number = std::from_chars(text_.data(), text_.data() + text_.size(), variant_);
+  whole_ =
+      number.ec == std::errc{} && !last.empty() && last.substr(1) == checksum(text_, verdict_, header_->mark);
+  return true;
+}
+
+SweepCounts merge_shards(const std::vector<std::string>& files, const RunRecord* expected,
+                         const std::function<void(const std::string&)>& write) {
+  Shards shards(files, expected);
+  const std::string total = shards.header().record.value("variants");
+  std::uint64_t variants = 0;
+  std::from_chars(total.data(), total.data() + total.size(), variants);
+  write(shards.header().columns + std::string(csv_line_break));
+  SweepCounts counts;
+  for (std::uint64_t variant = 0; variant < variants; ++variant)
+    write(shards.of_variant(variant).take(variant, counts));
+  shards.require_no_more();
+  return counts;
+}
 
 ShardFile::ShardFile(const std::string& path, const std::string& option, std::string header,
                      const RunRecord& record, bool marked, bool keep)

@@ -39,8 +39,7 @@ std::optional<SweepAbscissa> numeric_key(const SweepColumn& column) {
   SweepAbscissa a{column.axis, column.key, column.unit, column.values, {}, false};
   a.order.resize(a.values.size());
   std::iota(a.order.begin(), a.order.end(), std::size_t{0});
-  std::stable_sort(a.order.begin(), a.order.end(),
-                   [&](std::size_t x, std::size_t y) { return a.values[x] < a.values[y]; });
+  std::ranges::stable_sort(a.order, [&](std::size_t x, std::size_t y) { return a.values[x] < a.values[y]; });
   if (a.values.empty() || a.values[a.order.front()] == a.values[a.order.back()]) return std::nullopt;
   std::vector<double> ascending;
   for (const std::size_t step : a.order)
@@ -106,14 +105,6 @@ std::string name_of_line(const SweepGrid& grid, std::size_t without, const std::
   return all.empty() ? "all variants" : joined(all);
 }
 
-}  // namespace
-
-double DrawnVariants::value(const SweepGrid& grid, std::uint64_t variant) const {
-  return abscissa->values[grid.steps(variant)[abscissa->axis]];
-}
-
-namespace {
-
 DrawnVariants drawn_bars(const SweepGrid& grid, std::size_t figures, std::size_t most_bytes) {
   DrawnVariants d;
   d.points_in_all = static_cast<std::size_t>(grid.count());
@@ -130,7 +121,7 @@ DrawnVariants drawn_lines(const SweepGrid& grid, const SweepAbscissa& a, std::si
   d.abscissa = a;
   d.points_in_all = a.values.size();
   d.lines_in_all = grid.count() / d.points_in_all;
-  const std::vector<std::size_t> lines = evenly_chosen(static_cast<std::size_t>(d.lines_in_all), most_lines);
+  const std::vector<std::size_t> lines = evenly_chosen(d.lines_in_all, most_lines);
   const std::size_t points = std::clamp<std::size_t>(
       most_bytes / (point_bytes * lines.size() * std::max<std::size_t>(figures, 1)), 2, 400);
   for (const std::size_t index : lines) {
@@ -169,7 +160,21 @@ bool same_requirements(const Spec& a, const Spec& b) {
                     });
 }
 
+/// Up to this many points of a picture each has a mark with all its digits.
+constexpr std::size_t most_marks = 250;
+/// Beyond this ratio of the values the small ones would lie on a linear axis.
+constexpr double wide_range = 20;
+
+std::string first_upper(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
 }  // namespace
+
+double DrawnVariants::value(const SweepGrid& grid, std::uint64_t variant) const {
+  return abscissa->values[grid.steps(variant)[abscissa->axis]];
+}
 
 SweepPage::SweepPage(const SpecVariants& variants, const SweepGrid& grid) : variants_(variants), grid_(grid) {
   constexpr std::size_t bytes_of_pictures = 130'000;
@@ -225,8 +230,7 @@ SweepPage::VariantFigures SweepPage::row(const SweptVariant& v) const {
 
 /// The requirement of the spec whose value the figure is; null for any other.
 const Requirement* SweepPage::required(const SweptQuantity& f) const {
-  return f.requirement < 0 ? nullptr
-                           : &variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+  return f.requirement < 0 ? nullptr : &variants_.base().requirements[f.requirement];
 }
 
 /// @pre the variant is kept
@@ -263,24 +267,10 @@ void SweepPage::add(const VariantFigures& row) {
   ++next_;
 }
 
-namespace {
-
-/// Up to this many points of a picture each has a mark with all its digits.
-constexpr std::size_t most_marks = 250;
-/// Beyond this ratio of the values the small ones would lie on a linear axis.
-constexpr double wide_range = 20;
-
-std::string first_upper(std::string text) {
-  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text;
-}
-
-}  // namespace
-
 std::string SweepPage::answer() const {
   std::string text;
   if (judged_ > 0)
-    text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
+    text = std::to_string(met_) + " of " + counted(grid_.count(), "variant") +
            (met_ == 1 ? " meets" : " meet") + " all requirements";
   if (best_ && !limits_vary_ && grid_.count() > 1)
     text += "; variant " + std::to_string(best_->variant) + " wins, with " +
@@ -290,9 +280,8 @@ std::string SweepPage::answer() const {
   std::size_t i = 0;
   while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
   if (i == least_.size())
-    i = static_cast<std::size_t>(
-        std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); }) -
-        least_.begin());
+    i = static_cast<std::size_t>(std::ranges::find_if(least_, [](const auto& e) { return e.has_value(); }) -
+                                 least_.begin());
   if (i == least_.size()) return text.empty() ? "No variant has a figure." : text + '.';
   const Extreme &least = *least_[i], &largest = *largest_[i];
   if (!text.empty()) text += "; ";
@@ -325,8 +314,8 @@ std::string SweepPage::plot(std::size_t figure, const DrawnVariants& drawn) cons
       if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
     }
     // Combinations of keys that change nothing are one line.
-    const auto same = std::find_if(plot.series.begin(), plot.series.end(),
-                                   [&](const page::Series& s) { return s.points == series.points; });
+    const auto same =
+        std::ranges::find_if(plot.series, [&](const page::Series& s) { return s.points == series.points; });
     if (same == plot.series.end())
       plot.series.push_back(std::move(series));
     else
@@ -355,8 +344,7 @@ std::string SweepPage::matrix(std::size_t figure, const DrawnVariants& drawn) co
         least = std::min(least, y), largest = std::max(largest, y);
   if (!(least <= largest)) return "";
   const std::vector<std::string> keys = grid_.keys();
-  const auto key =
-      static_cast<std::size_t>(std::find(keys.begin(), keys.end(), drawn.abscissa->key) - keys.begin());
+  const auto key = static_cast<std::size_t>(std::ranges::find(keys, drawn.abscissa->key) - keys.begin());
   std::vector<std::string> header{drawn.abscissa->key}, rows_of_cells;
   for (const std::uint64_t v : drawn.lines.front().variants)
     header.push_back(short_value(grid_.names(v)[key]));
@@ -434,8 +422,7 @@ std::string SweepPage::table() const {
   }
   std::string out = page::table(header, rows);
   if (rows.size() < grid_.count())
-    out += "<p>The first " + std::to_string(rows.size()) + " of " +
-           counted(static_cast<std::size_t>(grid_.count()), "variant") +
+    out += "<p>The first " + std::to_string(rows.size()) + " of " + counted(grid_.count(), "variant") +
            ": the CSV of the sweep has all.</p>";
   if (shown_figures < figures_.size())
     out += "<p>The other figures are drawn above, and in the CSV of the sweep.</p>";
@@ -460,7 +447,7 @@ std::string SweepPage::text(const SweepOutcome& outcome) const {
     if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
   page.warnings.insert(page.warnings.end(), outcome.faults.begin(), outcome.faults.end());
   if (outcome.counts.failed > 0)
-    page.warnings.push_back(counted(static_cast<std::size_t>(outcome.counts.failed), "variant") +
+    page.warnings.push_back(counted(outcome.counts.failed, "variant") +
                             " cannot be computed or judged; the lines have gaps there");
   describe(page, spec, std::nullopt);
   page.spec_text = spec.text.size() <= most_spec

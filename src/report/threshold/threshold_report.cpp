@@ -45,7 +45,7 @@ struct Moved {
 Moved farthest_joint(const OperationalModel& model, Eigen::Index encoder, double length) {
   Moved best;
   for (std::size_t j = 0; j < model.chain.independent.size(); ++j) {
-    const double factor = std::abs(model.transmission.coupling(static_cast<Eigen::Index>(j), encoder));
+    const double factor = std::abs(model.transmission.coupling(j, encoder));
     const double travel = factor * (model.chain.independent[j].prismatic() ? 1.0 : length);
     if (travel > best.travel) best = {j, length, factor, travel};
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/lists.hpp"
 #include "filter/design/polynomial.hpp"
 #include "filter/norms/multiprecision.hpp"
 
@@ -93,7 +94,7 @@ std::string checked_choice(const FilterDesign& design, const std::string& key,
                            const std::vector<std::string>& choices) {
   const auto entry = design.choices.find(key);
   if (entry == design.choices.end()) return choices.front();
-  if (std::find(choices.begin(), choices.end(), entry->second) != choices.end()) return entry->second;
+  if (contains(choices, entry->second)) return entry->second;
   std::string known;
   for (const std::string& choice : choices) known += (known.empty() ? "" : ", ") + choice;
   throw Error(key, "is not one of the choices", "'" + escaped(entry->second) + "'", "use " + known);
@@ -107,12 +108,12 @@ std::size_t parameter_group(const FilterDesign& design, const std::vector<std::v
     remedy += remedy.empty() ? "give " : ", or ";
     for (std::size_t i = 0; i < group.size(); ++i) {
       remedy += (i == 0 ? "" : i + 1 == group.size() ? " and " : ", ") + group[i];
-      if (std::find(all.begin(), all.end(), group[i]) == all.end()) all.push_back(group[i]);
+      if (!contains(all, group[i])) all.push_back(group[i]);
     }
   }
-  std::copy_if(all.begin(), all.end(), std::back_inserter(found), given);
+  std::ranges::copy_if(all, std::back_inserter(found), given);
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    if (groups[i].size() == found.size() && std::all_of(groups[i].begin(), groups[i].end(), given)) return i;
+    if (groups[i].size() == found.size() && std::ranges::all_of(groups[i], given)) return i;
   }
   std::string list;
   for (const std::string& key : found) list += (list.empty() ? "" : ", ") + key;
@@ -201,7 +202,7 @@ Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double 
   std::vector<Real> weights = orthogonal(order, window, Real(window - 1) - back, wanted.derivative);
   Real norm = window;  // sum t_k^2 = (n + k)!/((2k + 1)(n - k - 1)!)
   for (int k = 0; k <= order; ++k) {
-    weights[static_cast<std::size_t>(k)] /= norm;
+    weights[k] /= norm;
     norm *= (Real(window) * window - Real(k + 1) * (k + 1)) * (2 * k + 1) / (2 * k + 3);
   }
   Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
@@ -218,7 +219,6 @@ Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double 
 
 namespace {
 
-/// s with another numerator.
 Section with_numerator(Section s, DoubleDouble b0, DoubleDouble b1, DoubleDouble b2) {
   s.b = {b0, b1, b2};
   return s;

@@ -28,7 +28,7 @@ Filter design(const FilterDesign& wanted) {
     // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0 (w = -1), which cancels
     // the pole of a difference.
     if (!bilinear && i < wanted.derivative) {
-      filter.sections[static_cast<std::size_t>(i)].a = {1, slope, 0};
+      filter.sections[i].a = {1, slope, 0};
     } else {
       filter.sections.push_back({{1, bilinear ? 0.0 : 1.0, 0}, {1, slope, 0}});
     }

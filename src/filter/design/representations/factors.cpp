@@ -46,8 +46,8 @@ Split split(const std::vector<LinearFactor>& factors) {
   const auto faster = [](const LinearFactor& x, const LinearFactor& y) {
     return magnitude(x.u) * magnitude(y.v) > magnitude(y.u) * magnitude(x.v);
   };
-  std::stable_sort(s.real.begin(), s.real.end(), faster);
-  std::stable_sort(s.complex.begin(), s.complex.end(), faster);
+  std::ranges::stable_sort(s.real, faster);
+  std::ranges::stable_sort(s.complex, faster);
   return s;
 }
 

@@ -29,7 +29,7 @@ bool stable(const Section& s, const Triple& a) {
   const double sign = s.a[0].hi < 0 ? -1 : 1, rounding = half_unit * size_of(a);
   const int order = a[2] != 0 ? 2 : a[1] != 0 ? 1 : 0;
   for (int i = 0; i <= order; ++i) {
-    if (!(sign * s.a[static_cast<std::size_t>(i)].hi > rounding)) return false;
+    if (!(sign * s.a[i].hi > rounding)) return false;
   }
   return true;
 }

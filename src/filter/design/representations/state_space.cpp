@@ -122,7 +122,7 @@ Vector vector_of(const Rows& rows, std::size_t n, const char* key) {
   Vector v;
   const bool row = rows.size() == 1 && rows[0].size() == n;
   const bool column =
-      rows.size() == n && std::all_of(rows.begin(), rows.end(), [](const auto& r) { return r.size() == 1; });
+      rows.size() == n && std::ranges::all_of(rows, [](const auto& r) { return r.size() == 1; });
   if (!row && !column) throw wrong_shape(key, "needs one number per state: one input, one output", rows);
   for (const auto& r : rows) v.insert(v.end(), r.begin(), r.end());
   return v;
@@ -160,7 +160,7 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   if (on_circle) modulus = std::max(1.0, modulus);
   if (!stable || on_circle) throw unstable("A", modulus);
   Vector above_w = in_w({h.b.rbegin(), h.b.rend()});
-  if (std::all_of(above_w.begin(), above_w.end(), [](const Binary1024& x) { return x == 0; }))
+  if (std::ranges::all_of(above_w, [](const Binary1024& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
   // A filter that blocks 0 Hz up to the rounding of C and D is taken to block it, unless that changes its
   // norm.
