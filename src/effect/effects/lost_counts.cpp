@@ -32,9 +32,11 @@ class LossScan {
     constexpr Eigen::Index most = 1 << 16, fitted = 1024;
     step_ = s.step();
     const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
-    time_ = s.time(some), path_ = s.path(some), speed_ = s.velocity(some).abs();
-    stride_ = (path_.size() + fitted - 1) / fitted;
-    const Eigen::ArrayXd path = every(path_), shaft = s.encoder.shaft_ratio * path;
+    const Eigen::ArrayXd time = s.time(some), all = s.path(some);
+    speed_ = s.velocity(some).abs();
+    stride_ = (all.size() + fitted - 1) / fitted;
+    add_ways(time, all);
+    const Eigen::ArrayXd path = every(all), shaft = s.encoder.shaft_ratio * path;
     error_ = every((s.measured - s.path)(some)).matrix();
     beside_.resize(path.size(), 4);
     beside_ << Eigen::VectorXd::Ones(path.size()), path - path.mean(), shaft.sin(), shaft.cos();
@@ -72,9 +74,38 @@ class LossScan {
     const double above = (speed_ > speed).select(speed_, 0).sum(), travel = speed_.sum();
     if (above < least_share * travel || above > (1 - least_share) * travel)
       return std::numeric_limits<double>::infinity();
-    Eigen::VectorXd way = every(way_above(time_, path_, speed)).matrix(), error = error_;
+    Eigen::VectorXd way = every_way_above(speed), error = error_;
     const double size = way.norm(), own = project(way, beside), left = std::pow(project(error, beside), 2);
     return own > 1e-9 * size ? left - std::pow(way.dot(error) / own, 2) : left;
+  }
+
+  /// A step between two rows, and the way of those of its stride that are as fast and faster.
+  struct Step {
+    double speed, way;
+  };
+
+  void add_ways(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path) {
+    for (Eigen::Index k = 1; k < path.size(); ++k) {
+      const double moved = path[k] - path[k - 1];
+      steps_.push_back({moved == 0 ? 0 : std::abs(moved) / (time[k] - time[k - 1]), moved});
+    }
+    for (auto first = steps_.begin(); first != steps_.end();) {
+      const auto end = first + std::min<std::ptrdiff_t>(stride_, steps_.end() - first);
+      std::sort(first, end, [](const Step& a, const Step& b) { return a.speed > b.speed; });
+      for (double way = 0; first != end; ++first) way += first->way, first->way = way;
+    }
+  }
+
+  /// The way at more than a speed, up to every row that is fitted (way_above).
+  Eigen::VectorXd every_way_above(double speed) const {
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(error_.size());
+    for (Eigen::Index i = 1; i < way.size(); ++i) {
+      const auto first = steps_.begin() + (i - 1) * stride_;
+      const auto slower =
+          std::partition_point(first, first + stride_, [&](const Step& s) { return s.speed > speed; });
+      way[i] = way[i - 1] + (slower == first ? 0 : std::prev(slower)->way);
+    }
+    return way;
   }
 
   /// Takes from a column what is along the first of the orthonormal ones, twice, as rounding has it.
@@ -87,7 +118,8 @@ class LossScan {
 
   Eigen::Index stride_ = 1;
   double step_ = 0;
-  Eigen::ArrayXd time_, path_, speed_;
+  Eigen::ArrayXd speed_;
+  std::vector<Step> steps_;  ///< of each stride the fastest first
   Eigen::VectorXd error_;
   Eigen::MatrixXd beside_;  // orthonormal: a constant, a scale, an eccentricity
 };
