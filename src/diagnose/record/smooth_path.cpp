@@ -189,12 +189,14 @@ class Window {
     // A curvature of three samples would be noise.
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
+    Eigen::VectorXd window(2 * h_ + 1);
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
       const FitWeights& here = fit(k, own);
-      out.velocity[k] = here.slope.dot(window_at(k));
+      window = window_at(k);
+      out.velocity[k] = here.slope.dot(window);
       if (!smoothed) continue;
-      out.acceleration[k] = here.curvature.dot(window_at(k));
-      if (first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
+      out.acceleration[k] = here.curvature.dot(window);
+      if (first(k) == k - h_) out.position[k] += here.value.dot(window);
     }
     if (smoothed) out.residual_noise *= noise_gain();
     return out;

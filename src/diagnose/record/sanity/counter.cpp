@@ -352,9 +352,13 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   const Eigen::Index n = counts.size();
   const double range = counts.maxCoeff() - counts.minCoeff();
   constexpr int highest = 12;
-  std::vector<bool> remainders(std::size_t{2} << highest);  // by the largest modulus
-  for (const double count : counts)
-    remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)] = true;
+  std::vector<char> remainders(std::size_t{2} << highest);  // by the largest modulus
+  std::size_t missing = remainders.size();
+  for (const double count : counts) {
+    char& seen = remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)];
+    missing -= !std::exchange(seen, 1);
+    if (missing == 0) return std::nullopt;
+  }
   for (int bit = 1; bit <= highest; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
     if (range < 4.0 * static_cast<double>(modulus) || n < 4 * modulus) return std::nullopt;
