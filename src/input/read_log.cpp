@@ -151,12 +151,14 @@ class LogReader::Rows {
   }
 
   bool next(Eigen::ArrayXXd& rows) {
-    rows.resize(most_, std::ssize(log.columns));
+    // A line of the cache more than a block: columns a power of two apart would displace each other.
+    constexpr Eigen::Index line = 8;
+    block_.resize(most_ + line, std::ssize(log.columns));
     Eigen::Index count = 0;
     file_rows.clear();
-    while (count < most_ && table_.next(rows.data() + count, most_)) {
+    while (count < most_ && table_.next(block_.data() + count, block_.rows())) {
       file_rows.push_back(table_.row());
-      check(rows, count++);
+      check(block_, count++);
     }
     // Ascending: if the last row has its own number, all have.
     if (count > 0 && file_rows.back() == log.rows + static_cast<std::uint64_t>(count) - 1) file_rows.clear();
@@ -172,7 +174,7 @@ class LogReader::Rows {
       for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
       return false;
     }
-    if (count < most_) rows.conservativeResize(count, Eigen::NoChange);
+    rows = block_.topRows(count);
     remove_turns(rows);
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = log.time_origin + rows(count - 1, *time_);
@@ -337,6 +339,7 @@ class LogReader::Rows {
   }
 
   LogTable table_;
+  Eigen::ArrayXXd block_;  ///< rows as they are read
   std::vector<Bound> bounds_;
   Transmission transmission_;
   Eigen::Index most_;

@@ -1,8 +1,5 @@
 #include "simulate/unwrap.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace qerr {
 
 int turns_after(double step, double turn) {
@@ -23,22 +20,12 @@ Unwrap::State Unwrap::after(const State& s, double value, double samples) const 
   return next;
 }
 
-double Unwrap::operator()(double value) {
-  // Of a turn: a reading that is off by more is neither noise nor, for once, motion.
-  constexpr double noticeable = 1.0 / 16;
+double Unwrap::judged(double value) {
   withdrawn_ = 0;
   if (!started_) {
     started_ = true;
     now_ = {value, value, value};
     return value;
-  }
-  const double unwrapped = value + static_cast<double>(now_.turns) * turn_;
-  if (!far_off_ && std::abs(unwrapped - (now_.last + now_.velocity)) <= noticeable * turn_) {
-    // As predicted, which nearly all samples are: the same state without a copy.
-    now_.lowest = std::min(now_.lowest, value);
-    now_.highest = std::max(now_.highest, value);
-    now_.velocity = unwrapped - now_.last;
-    return now_.last = unwrapped;
   }
   const auto deviation = [](const State& from, const State& to, double samples) {
     return std::abs(to.last - (from.last + samples * from.velocity));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace qerr {
@@ -33,7 +35,17 @@ class Unwrap {
   static Unwrap of_angle(double turn) { return {turn, 1.01 * turn}; }
 
   /// The next sample, unwrapped: value + turns() * turn.
-  double operator()(double value);
+  double operator()(double value) {
+    const double unwrapped = value + static_cast<double>(now_.turns) * turn_;
+    if (!started_ || far_off_ || !(std::abs(unwrapped - (now_.last + now_.velocity)) <= noticeable * turn_))
+      return judged(value);
+    // As predicted, which nearly all samples are: the same state without a copy.
+    withdrawn_ = 0;
+    now_.lowest = std::min(now_.lowest, value);
+    now_.highest = std::max(now_.highest, value);
+    now_.velocity = unwrapped - now_.last;
+    return now_.last = unwrapped;
+  }
 
   double turn() const { return turn_; }
 
@@ -47,6 +59,12 @@ class Unwrap {
   bool contradicted() const { return now_.wrapped && is_beyond(now_); }
 
  private:
+  /// Of a turn: a reading that is off by more is neither noise nor, for once, motion.
+  static constexpr double noticeable = 1.0 / 16;
+
+  /// The first sample, or one that is not as predicted.
+  double judged(double value);
+
   /// What is known after a sample.
   struct State {
     double lowest = 0, highest = 0;  // of the samples

@@ -1,13 +1,32 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "diagnose/record/with_effects.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
 
 namespace qerr {
 namespace {
+
+TEST(PathAsRead, IsThePathAtTheInstantOfTheClocks) {
+  const double delay = 0.0137, rate = 1e-3;
+  Evidence e;
+  e.joint = "a";
+  e.time = Eigen::ArrayXd::LinSpaced(401, 0, 4);
+  e.path = (2 * e.time).sin();
+  e.velocity = 2 * (2 * e.time).cos();
+  PathAsRead path(e, {{"latency", "a", {{"delay", delay}}, {}},
+                      {"clock_drift", "a", {{"rate", rate}}, {}},
+                      {"latency", "another", {{"delay", 1}}, {}}});
+  const Eigen::ArrayXd all = path.of_all_rows();
+  for (const Eigen::Index row : {400, 17, 18, 3, 200}) {
+    EXPECT_NEAR(path(row), std::sin(2 * (e.time[row] * (1 + rate) - delay)), 1e-8) << row;
+    EXPECT_EQ(path(row), all[row]) << row;
+  }
+}
 
 /// Tens of counts of delay: the square of the delay matters, and must not be taken for an error of the scale.
 TEST(Latency, OfManyCountsIsTheOnlyCause) {

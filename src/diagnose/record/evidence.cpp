@@ -26,25 +26,36 @@ Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index enc
 
 double resolution_of(const Log& log, Eigen::Index column) {
   const auto seen = log.values.col(column);
-  return seen.size() > 0 && seen.maxCoeff() > seen.minCoeff()
-             ? log.columns[static_cast<std::size_t>(column)].step()
-             : 0;
+  return seen.size() > 0 && (seen != seen[0]).any() ? log.columns[static_cast<std::size_t>(column)].step()
+                                                    : 0;
 }
 
 bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
   return (joint_weights(model, encoder).array().abs() > negligible_weight).count() == 1;
 }
 
-EncoderReference encoder_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
+bool has_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
   const Eigen::RowVectorXd weights = joint_weights(model, encoder);
-  EncoderReference r{Eigen::ArrayXd::Zero(log.values.rows())};
+  for (Eigen::Index j = 0; j < weights.size(); ++j)
+    if (!(std::abs(weights[j]) < negligible_weight) &&
+        !log.find(LogSignal::reference, static_cast<std::size_t>(j)))
+      return false;
+  return log.values.rows() > 0;
+}
+
+EncoderReference encoder_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
+  if (!has_reference(model, log, encoder)) return {};
+  const Eigen::RowVectorXd weights = joint_weights(model, encoder);
+  EncoderReference r;
   const auto stamps = log.find(LogSignal::time);
   for (Eigen::Index j = 0; j < weights.size(); ++j) {
     if (std::abs(weights[j]) < negligible_weight) continue;
     const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
-    if (!column) return {};
     const LogColumn& head = log.columns[static_cast<std::size_t>(*column)];
-    r.position += weights[j] * log.values.col(*column);
+    if (r.position.size() == 0)
+      r.position = weights[j] * log.values.col(*column);
+    else
+      r.position += weights[j] * log.values.col(*column);
     r.log_resolution = std::max(r.log_resolution, std::abs(weights[j]) * resolution_of(log, *column));
     if (stamps && head.samples)
       r.noise = std::hypot(r.noise, weights[j] * noise_between(head, log.values.col(*stamps)));

@@ -27,6 +27,7 @@ struct EncoderReference {
   double noise = 0;  ///< of those that are interpolated between samples, see noise_between [rad or m]
 };
 EncoderReference encoder_reference(const OperationalModel&, const Log&, Eigen::Index encoder);
+bool has_reference(const OperationalModel&, const Log&, Eigen::Index encoder);
 
 /// The encoder's coordinate combined from the measured positions of these joints (measured_joint) [rad or m];
 /// empty if one of them is missing.

@@ -32,6 +32,18 @@ struct Sampling {
 
   /// Averages over the groups of a column over the rows of the record.
   Eigen::ArrayXd averaged(const Eigen::ArrayXd& column) const;
+
+  /// Those of what is computed at each row of a group.
+  template <class OfRow>
+  Eigen::ArrayXd averaged_rows(OfRow of_row) const {
+    Eigen::ArrayXd out = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(groups.size()));
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      double& mean = out[static_cast<Eigen::Index>(g)];
+      for (Eigen::Index k = groups[g].first; k < groups[g].end; ++k) mean += of_row(k);
+      mean /= static_cast<double>(groups[g].end - groups[g].first);
+    }
+    return out;
+  }
 };
 
 /// Samples of an encoder's error for a linear regression.

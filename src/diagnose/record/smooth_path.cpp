@@ -177,6 +177,11 @@ class Window {
 
   bool is_line() const { return h_ == half_windows.front(); }
 
+  double velocity(Eigen::Index k) const {
+    std::optional<FitWeights> own;
+    return fit(k, own).slope.dot(window_at(k));
+  }
+
   /// Position and its derivatives at every row. At the ends a fit would be one-sided: there the position is
   /// the recorded one.
   SmoothPath path(double noise) const {
@@ -184,12 +189,14 @@ class Window {
     // A curvature of three samples would be noise.
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
+    Eigen::VectorXd window(2 * h_ + 1);
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
       const FitWeights& here = fit(k, own);
-      out.velocity[k] = here.slope.dot(window_at(k));
+      window = window_at(k);
+      out.velocity[k] = here.slope.dot(window);
       if (!smoothed) continue;
-      out.acceleration[k] = here.curvature.dot(window_at(k));
-      if (first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
+      out.acceleration[k] = here.curvature.dot(window);
+      if (first(k) == k - h_) out.position[k] += here.value.dot(window);
     }
     if (smoothed) out.residual_noise *= noise_gain();
     return out;
@@ -209,28 +216,34 @@ class Window {
   FitWeights common_;  ///< of windows without gaps
 };
 
-/// Velocity and acceleration where nine samples are even, by the polynomial through them: of a sine of p
-/// samples a period the velocity is short by (2 pi/p)^8/630 in their middle, that of three samples by (2
-/// pi/p)^2/6. At the ends it would have 33 times the noise of a sample as velocity of an interval: there a
-/// polynomial of the fifth degree, 3 times, is fitted to them.
-void interpolate_rates(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double interval,
-                       SmoothPath& path) {
+/// The path as recorded, with velocity and acceleration where nine samples are even by the polynomial through
+/// them: of a sine of p samples a period the velocity is short by (2 pi/p)^8/630 in their middle, that of
+/// three samples by (2 pi/p)^2/6. At the ends it would have 33 times the noise of a sample as velocity of an
+/// interval: there a polynomial of the fifth degree, 3 times, is fitted to them.
+SmoothPath with_interpolated_rates(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double interval,
+                                   const Window& narrow, double noise) {
   constexpr Eigen::Index width = 9, half = width / 2, degree_at_ends = 5;
-  if (x.size() < width) return;
+  using Weights = Eigen::Matrix<double, width, 1>;
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(width, 0, (width - 1) * interval);
-  std::vector<FitWeights> weights;
-  for (Eigen::Index at = 0; at < width; ++at)
-    weights.emplace_back(times, times[at], at == half ? width - 1 : degree_at_ends);
-  path.acceleration.setZero(x.size());
+  std::vector<Weights> slopes, curvatures;
+  for (Eigen::Index at = 0; at < width; ++at) {
+    const FitWeights fit(times, times[at], at == half ? width - 1 : degree_at_ends);
+    slopes.push_back(fit.slope), curvatures.push_back(fit.curvature);
+  }
+  SmoothPath path{x, Eigen::ArrayXd(x.size()), Eigen::ArrayXd::Zero(x.size()), noise, noise};
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const Eigen::Index first = std::clamp(k - half, Eigen::Index{0}, x.size() - width);
     const double span = time[first + width - 1] - time[first];
-    if (std::abs(span - (width - 1) * interval) > 1e-3 * interval) continue;
-    const FitWeights& here = weights[static_cast<std::size_t>(k - first)];
-    const auto window = (x.segment(first, width) - x[k]).matrix();
-    path.velocity[k] = here.slope.dot(window);
-    path.acceleration[k] = here.curvature.dot(window);
+    if (std::abs(span - (width - 1) * interval) > 1e-3 * interval) {
+      path.velocity[k] = narrow.velocity(k);
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(k - first);
+    const Weights window = x.segment<width>(first) - x[k];
+    path.velocity[k] = slopes[at].dot(window);
+    path.acceleration[k] = curvatures[at].dot(window);
   }
+  return path;
 }
 
 }  // namespace
@@ -305,9 +318,8 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
     widest.emplace(std::move(next));
   }
   if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), {}, noise, noise};
-  SmoothPath path = widest->path(noise);
-  if (fast) interpolate_rates(time, recorded, interval, path);
-  return path;
+  if (fast) return with_interpolated_rates(time, recorded, interval, *widest, noise);
+  return widest->path(noise);
 }
 
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold) {

@@ -93,28 +93,39 @@ void move(Evidence& e, const Eigen::ArrayXd& by) {
   e.path += by;
 }
 
-}  // namespace
-
-Eigen::ArrayXd path_as_read(const Evidence& e, const std::vector<Effect>& clocks) {
-  return e.joint_angle() + joint_addition(e, clocks);
-}
-
-namespace {
-
 bool is_own_clock(const Evidence& record, const Effect& effect) {
   return effect.joint == record.joint && effect_kind(effect.type).stage == Stage::clock && !is_random(effect);
 }
 
 }  // namespace
 
+PathAsRead::PathAsRead(const Evidence& e, const std::vector<Effect>& clocks) : e_(e) {
+  for (const Effect& effect : clocks)
+    if (e.ordered && is_own_clock(e, effect))
+      clocks_.push_back(effect_kind(effect.type).action(effect, e.encoder, 0));
+}
+
+double PathAsRead::instant(double time) const {
+  double instant = time;
+  for (const Action& clock : clocks_) instant = clock(instant, Moment{.time = time});
+  return instant;
+}
+
+double PathAsRead::operator()(Eigen::Index row) {
+  if (clocks_.empty()) return e_.joint_angle()[row];
+  return position_at(e_.time, e_.joint_angle(), e_.joint_rate(), instant(e_.time[row]), before_);
+}
+
+Eigen::ArrayXd PathAsRead::of_all_rows() {
+  Eigen::ArrayXd all(e_.rows());
+  for (Eigen::Index k = 0; k < all.size(); ++k) all[k] = (*this)(k);
+  return all;
+}
+
 Eigen::Array<bool, Eigen::Dynamic, 1> reads_within(const Evidence& record, const std::vector<Effect>& effects,
                                                    const Eigen::ArrayXd& time) {
-  Eigen::ArrayXd instants = time;
-  for (const Effect& effect : effects) {
-    if (!is_own_clock(record, effect)) continue;
-    const Action action = effect_kind(effect.type).action(effect, record.encoder, 0);
-    for (Eigen::Index k = 0; k < time.size(); ++k) instants[k] = action(instants[k], Moment{.time = time[k]});
-  }
+  const PathAsRead path(record, effects);
+  const Eigen::ArrayXd instants = time.unaryExpr([&](double t) { return path.instant(t); });
   return instants >= record.time[0] && instants <= record.time[record.rows() - 1];
 }
 

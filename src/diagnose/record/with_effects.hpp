@@ -4,6 +4,7 @@
 
 #include "diagnose/record/evidence.hpp"
 #include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -27,7 +28,21 @@ Evidence within_record(Evidence, const std::vector<Effect>&);
 inline constexpr double least_part_within = 0.9;
 
 /// The joint's path where the clocks of its encoder read it: what drives a play at the joint [rad or m].
-Eigen::ArrayXd path_as_read(const Evidence&, const std::vector<Effect>& clocks);
+/// Borrows the evidence.
+class PathAsRead {
+ public:
+  PathAsRead(const Evidence&, const std::vector<Effect>& clocks);
+  double operator()(Eigen::Index row);
+  Eigen::ArrayXd of_all_rows();
+
+  /// Where the clocks read at a time [s].
+  double instant(double time) const;
+
+ private:
+  const Evidence& e_;
+  std::vector<Action> clocks_;
+  Eigen::Index before_ = 0;  ///< row of the last instant
+};
 
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
 /// add.

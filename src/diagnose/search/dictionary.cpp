@@ -142,7 +142,7 @@ class Candidates {
       const auto over = [original, size, clocks = clocks_](const Sampling& s) {
         Term t = original;
         t.columns = s.averaged(original.hysteresis(
-            original.of_reference ? path_as_read(*s.record, clocks) : s.record->measured, size));
+            original.of_reference ? PathAsRead(*s.record, clocks).of_all_rows() : s.record->measured, size));
         return t;
       };
       const std::string driven = original.of_reference ? " of the load" + read_late_ : "";
@@ -187,8 +187,10 @@ class Candidates {
       const auto over = [original, size](const Sampling& s) {
         Effect shift = original.effect;
         original.fill(shift, Eigen::VectorXd::Constant(1, size));
+        PathAsRead shifted(*s.record, {shift});
+        const Eigen::ArrayXd& path = s.record->joint_angle();
         return with_columns(original,
-                            s.averaged(path_as_read(*s.record, {shift}) - s.record->joint_angle()) / size);
+                            s.averaged_rows([&](Eigen::Index k) { return shifted(k) - path[k]; }) / size);
       };
       const auto [least, most] = std::minmax({size / ratio, size * ratio});
       found_.push_back({history(family + " as recorded", size, over), family,
@@ -206,8 +208,9 @@ class Candidates {
       const auto over = [original, late, p = p](const Sampling& s) {
         std::vector<Effect> all = late;
         original.fill(all.emplace_back(original.effect), p);
+        PathAsRead with(*s.record, all), without(*s.record, late);
         return with_columns(original,
-                            s.averaged(path_as_read(*s.record, all) - path_as_read(*s.record, late)) / p[0]);
+                            s.averaged_rows([&](Eigen::Index k) { return with(k) - without(k); }) / p[0]);
       };
       add_history(family, family + " as recorded" + read_late_, p[0], 1, over);
     }
@@ -383,7 +386,7 @@ class Candidates {
     for (const double travel : joined(scanned_.travels, series(r.step(), 0.3 * r.range(), travels))) {
       // A state that is forgotten within few samples is not told.
       const auto over = [travel, clocks = clocks_](const Sampling& s) {
-        return friction_term(s, path_as_read(*s.record, clocks), travel);
+        return friction_term(s, PathAsRead(*s.record, clocks).of_all_rows(), travel);
       };
       const Term& both = history("friction" + read_late_, travel, over);
       const Eigen::Index told = both.columns.col(1).square().sum() > few_samples ? 2 : 1;

@@ -442,8 +442,8 @@ double expected_gain(const ErrorModel& m, const LinearModel::Set& without, const
   for (std::size_t i = 0; i < without.size(); ++i)
     added += addition(searchable(m.candidate(without[i]).over(every)), m.coefficients(without, f, i));
   double sum = 0;
+  Evidence simulated = record;
   for (int draw = 0; draw < draws; ++draw) {
-    Evidence simulated = record;
     const std::uint64_t stream = stream_seed(seed, "surrogate", static_cast<std::uint64_t>(draw));
     for (Eigen::Index k = 0; k < record.rows(); ++k)
       simulated.measured[k] =

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "core/statistics.hpp"
 #include "effect/effects/effects.hpp"
@@ -32,9 +33,12 @@ class LossScan {
     constexpr Eigen::Index most = 1 << 16, fitted = 1024;
     step_ = s.step();
     const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
-    time_ = s.time(some), path_ = s.path(some), speed_ = s.velocity(some).abs();
-    stride_ = (path_.size() + fitted - 1) / fitted;
-    const Eigen::ArrayXd path = every(path_), shaft = s.encoder.shaft_ratio * path;
+    const Eigen::ArrayXd time = s.time(some), all = s.path(some), speed = s.velocity(some).abs();
+    for (const double v : speed) speeds_.push_back({v, v});
+    add_up(speeds_.begin(), speeds_.end());
+    stride_ = (all.size() + fitted - 1) / fitted;
+    add_ways(time, all);
+    const Eigen::ArrayXd path = every(all), shaft = s.encoder.shaft_ratio * path;
     error_ = every((s.measured - s.path)(some)).matrix();
     beside_.resize(path.size(), 4);
     beside_ << Eigen::VectorXd::Ones(path.size()), path - path.mean(), shaft.sin(), shaft.cos();
@@ -49,7 +53,7 @@ class LossScan {
   /// @param beside  columns beside it: 1, a constant; 4, a scale and an eccentricity, too
   std::optional<double> best(Eigen::Index beside) const {
     constexpr int coarse = 40, fine = 16;
-    const double fastest = speed_.maxCoeff();
+    const double fastest = speeds_.front().speed;
     double least = std::numeric_limits<double>::infinity(), best = 0;
     const auto attempt = [&](double at) {
       if (const double left = left_by(at, beside); left < least) best = at, least = left;
@@ -69,12 +73,51 @@ class LossScan {
   Eigen::ArrayXd every(const Eigen::ArrayXd& x) const { return x(Eigen::seq(0, Eigen::last, stride_)); }
 
   double left_by(double speed, Eigen::Index beside) const {
-    const double above = (speed_ > speed).select(speed_, 0).sum(), travel = speed_.sum();
+    const double above = way_of_faster(speeds_.begin(), speeds_.end(), speed), travel = speeds_.back().way;
     if (above < least_share * travel || above > (1 - least_share) * travel)
       return std::numeric_limits<double>::infinity();
-    Eigen::VectorXd way = every(way_above(time_, path_, speed)).matrix(), error = error_;
+    Eigen::VectorXd way = every_way_above(speed), error = error_;
     const double size = way.norm(), own = project(way, beside), left = std::pow(project(error, beside), 2);
     return own > 1e-9 * size ? left - std::pow(way.dot(error) / own, 2) : left;
+  }
+
+  /// A motion, and the way of all that are as fast and faster.
+  struct Motion {
+    double speed, way;
+  };
+  using Motions = std::vector<Motion>;
+
+  /// The fastest first; of each its own way is given.
+  static void add_up(Motions::iterator first, Motions::iterator end) {
+    std::sort(first, end, [](const Motion& a, const Motion& b) { return a.speed > b.speed; });
+    for (double way = 0; first != end; ++first) way += first->way, first->way = way;
+  }
+
+  static double way_of_faster(Motions::const_iterator first, Motions::const_iterator end, double speed) {
+    const auto slower = std::partition_point(first, end, [&](const Motion& m) { return m.speed > speed; });
+    return slower == first ? 0 : std::prev(slower)->way;
+  }
+
+  void add_ways(const Eigen::ArrayXd& time, const Eigen::ArrayXd& path) {
+    for (Eigen::Index k = 1; k < path.size(); ++k) {
+      const double moved = path[k] - path[k - 1];
+      steps_.push_back({moved == 0 ? 0 : std::abs(moved) / (time[k] - time[k - 1]), moved});
+    }
+    for (auto first = steps_.begin(); first != steps_.end();) {
+      const auto end = first + std::min<std::ptrdiff_t>(stride_, steps_.end() - first);
+      add_up(first, end);
+      first = end;
+    }
+  }
+
+  /// The way at more than a speed, up to every row that is fitted (way_above).
+  Eigen::VectorXd every_way_above(double speed) const {
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(error_.size());
+    for (Eigen::Index i = 1; i < way.size(); ++i) {
+      const auto first = steps_.begin() + (i - 1) * stride_;
+      way[i] = way[i - 1] + way_of_faster(first, first + stride_, speed);
+    }
+    return way;
   }
 
   /// Takes from a column what is along the first of the orthonormal ones, twice, as rounding has it.
@@ -87,7 +130,8 @@ class LossScan {
 
   Eigen::Index stride_ = 1;
   double step_ = 0;
-  Eigen::ArrayXd time_, path_, speed_;
+  Motions speeds_;  ///< of the rows
+  Motions steps_;   ///< between rows, stride by stride
   Eigen::VectorXd error_;
   Eigen::MatrixXd beside_;  // orthonormal: a constant, a scale, an eccentricity
 };

@@ -81,7 +81,8 @@ double refined_step(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double 
 double grid_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double least) {
   double smallest = 1e300;
   for (Eigen::Index k = 1; k < x.size(); ++k)
-    if (const double by = std::abs(x[k] - x[k - 1]); by > 0) smallest = std::min(smallest, by);
+    if (const double by = std::abs(x[k] - x[k - 1]); by > 0 && by < smallest)
+      if ((smallest = by) < least) return 0;
   if (smallest == 1e300) return 0;
   for (const double steps : {1.0, 2.0, 3.0}) {
     if (smallest / steps < least) break;
@@ -98,7 +99,7 @@ const char* unit_of_joint(const Sanity& s, std::size_t joint) {
 
 void check_reference_grid(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  if (reference.size() < 2 || !recorded_counts(s, encoder)) return;
+  if (reference.size() < 2 || !has_counts(s, encoder)) return;
   const double step = s.model.transmission.encoders[encoder].resolution;
   const auto stamps = s.log.find(LogSignal::time);
   const Eigen::ArrayXd time = stamps ? Eigen::ArrayXd(s.log.values.col(*stamps))
@@ -117,13 +118,11 @@ void check_reference_grid(Sanity& s, std::size_t encoder) {
 }
 
 void check_reference_noise(Sanity& s, std::size_t encoder) {
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  const auto read = recorded_counts(s, encoder);
   const auto stamps = s.log.find(LogSignal::time);
+  if (!stamps || !has_counts(s, encoder) || s.log.values.rows() < 64 || s.reference_grid[encoder] > 0) return;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const Encoder& model = s.model.transmission.encoders[encoder];
-  if (!stamps || !read || reference.size() < 64 || s.reference_grid[encoder] > 0 ||
-      is_static(reference, model.resolution))
-    return;
+  if (reference.size() == 0 || is_static(reference, model.resolution)) return;
   const Eigen::ArrayXd time = s.log.values.col(*stamps);
   const double of_reference = noise_of_path(time, reference, 0);
   // Where the reference's variance exceeds that of the quantization, most of the residual is not the
@@ -131,7 +130,8 @@ void check_reference_noise(Sanity& s, std::size_t encoder) {
   if (of_reference < sigma(model)) return;
   // Motion that is too fast for the rows looks like noise, but the encoder follows it.
   const double noise =
-      std::min(of_reference, noise_of_path(time, read->counts * model.resolution - reference, 0));
+      std::min(of_reference,
+               noise_of_path(time, recorded_counts(s, encoder)->counts * model.resolution - reference, 0));
   if (noise < sigma(model)) return;
   // The amplitude of a periodic error has the standard error sigma sqrt(2/n); four of them are no chance.
   const double counts = noise / model.resolution,

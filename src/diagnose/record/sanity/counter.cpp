@@ -16,7 +16,8 @@ namespace qerr::sanity {
 
 namespace {
 
-constexpr double least_modulus = 256;  ///< of a counter of 8 bits
+constexpr double least_modulus = 256;                ///< of a counter of 8 bits
+constexpr double least_jump = 0.75 * least_modulus;  ///< motion may take a part of it
 
 /// Counts by which a jump may differ from the modulus: motion and edge errors between two rows (convention).
 constexpr double slack = 3;
@@ -57,7 +58,14 @@ Eigen::ArrayXd jumps_of_counter(Eigen::ArrayXd jumps, const Eigen::ArrayXd& coun
 bool is_hidden_by_noise(const Eigen::ArrayXd& jumps) {
   std::vector<double> sizes(static_cast<std::size_t>(jumps.size()));
   for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(jumps[static_cast<Eigen::Index>(k)]);
-  return 6 * 1.48 * median(std::move(sizes)) > 0.75 * least_modulus;
+  return 6 * 1.48 * median(std::move(sizes)) > least_jump;
+}
+
+/// Whether the counts themselves change anywhere by half of such a jump, without which there is none: what is
+/// more of it is motion, by the reference (jumps_of_counter) or by the median of changes that are as small.
+bool may_overflow(const Eigen::ArrayXd& counts) {
+  const Eigen::Index n = counts.size();
+  return ((counts.tail(n - 1) - counts.head(n - 1)).abs() >= 0.5 * least_jump).any();
 }
 
 struct Modulus {
@@ -69,7 +77,7 @@ struct Modulus {
 Modulus modulus_of(const Eigen::ArrayXd& jumps) {
   std::vector<double> large;
   for (const double j : jumps)
-    if (std::abs(j) > 0.75 * least_modulus) large.push_back(std::abs(j));
+    if (std::abs(j) > least_jump) large.push_back(std::abs(j));
   if (large.empty()) return {};
   double modulus = std::round(median(large));
   const double nearest = std::exp2(std::round(std::log2(modulus)));
@@ -176,12 +184,12 @@ void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& referenc
 /// Silently undoes a specified rollover, unless the counter overflows at another modulus.
 void undo_specified_rollover(Sanity& s, std::size_t encoder) {
   const Effect* effect = specified_effect(s, encoder, rollover_effect().name);
+  if (!effect || !has_counts(s, encoder)) return;
   auto read = recorded_counts(s, encoder);
-  if (!effect || !read) return;
   const double modulus = effect->number("modulus");
   remove_effect(s, effect);
   const Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   const Eigen::ArrayXd jumps = jumps_of_counter(jumps_of(read->counts, reference), read->counts);
   const double observed = modulus_of(jumps).counts;
   const bool other =
@@ -236,7 +244,7 @@ void check_turns(Sanity& s, std::size_t encoder) {
   const auto column = s.log.find(LogSignal::counts, encoder);
   if (!column || !s.log.columns[static_cast<std::size_t>(*column)].wraps.contradicted) return;
   const Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   if (reference.size() == 0) return;
   const double turn = std::round(2 * std::numbers::pi / (model.resolution * std::abs(model.shaft_ratio)));
   auto counts = s.log.values.col(*column);
@@ -254,7 +262,8 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   if (!read) return;
   const Encoder& model = s.model.transmission.encoders[encoder];
   const double step = model.resolution;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
+  if (!may_overflow(read->counts)) return;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
   // The counts themselves have no noise of the reference.
   const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps);
@@ -304,11 +313,13 @@ void check_decoding(Sanity& s, std::size_t encoder) {
     remove_effect(s, effect);
     if (const auto read = recorded_counts(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);
   }
+  if (!has_counts(s, encoder) || !has_reference(s, encoder)) return;
   const auto read = recorded_counts(s, encoder);
   const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
-  if (!read || reference.size() == 0 || peak_to_peak(reference) < 64 || peak_to_peak(read->counts) < 8)
-    return;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
+  // Some rows tell that nothing is to be said.
+  if (decoding_ratio(fit_line(some_rows(reference), some_rows(read->counts)).slope) == 1) return;
+  if (peak_to_peak(reference) < 64 || peak_to_peak(read->counts) < 8) return;
   const Line line = fit_line(reference, read->counts);
   const double factor = decoding_ratio(line.slope);
   const double explained = std::abs(line.slope) * standard_deviation(reference);
@@ -341,9 +352,13 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   const Eigen::Index n = counts.size();
   const double range = counts.maxCoeff() - counts.minCoeff();
   constexpr int highest = 12;
-  std::vector<bool> remainders(std::size_t{2} << highest);  // by the largest modulus
-  for (const double count : counts)
-    remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)] = true;
+  std::vector<char> remainders(std::size_t{2} << highest);  // by the largest modulus
+  std::size_t missing = remainders.size();
+  for (const double count : counts) {
+    char& seen = remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)];
+    missing -= !std::exchange(seen, 1);
+    if (missing == 0) return std::nullopt;
+  }
   for (int bit = 1; bit <= highest; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
     if (range < 4.0 * static_cast<double>(modulus) || n < 4 * modulus) return std::nullopt;
@@ -431,7 +446,7 @@ namespace {
 std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size_t encoder, int bit,
                                       bool value) {
   const Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   if (reference.size() == 0) return {0, 0};
   const Eigen::ArrayXd as_read = read.counts - reference;
   const double missing = direction(model) * (value ? -1 : 1) * std::ldexp(1.0, bit);
@@ -443,8 +458,8 @@ std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size
 }  // namespace
 
 void check_stuck_bit(Sanity& s, std::size_t encoder) {
+  if (!s.log.find(LogSignal::counts, encoder) || s.log.values.rows() < 100) return;
   auto read = recorded_counts(s, encoder);
-  if (!read || !read->direct || read->counts.size() < 100) return;
   bool is_stated = false;
   while (const Effect* effect = specified_effect(s, encoder, stuck_bit_effect().name)) {  // which is removed
     const auto bit = static_cast<int>(effect->number("bit"));
@@ -463,7 +478,7 @@ void check_stuck_bit(Sanity& s, std::size_t encoder) {
                     std::string(stuck_bit_effect().remedy.text) +
                         (stuck->value ? "; here the bit is taken from the reference" : ""),
                     DataKind::corrupt});
-  if (!stuck->value || encoder_reference(s, encoder).size() == 0) return;
+  if (!stuck->value || !has_reference(s, encoder)) return;
   // By chance the counts of all rows lie in one half of the remainders.
   const double by_chance = std::exp2(-static_cast<double>(read->counts.size()));
   const auto [before, after] = restore_bit(s, *read, encoder, stuck->bit, *stuck->value);

@@ -174,8 +174,9 @@ void drop_effort(Sanity& s, std::size_t joint, const char* reason) {
 
 void check_controller_output(Sanity& s, std::size_t joint) {
   const auto column = s.log.find(LogSignal::effort, joint);
+  if (!column) return;
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !measured) return;
+  if (!measured) return;
   const Eigen::ArrayXd effort = s.log.values.col(*column);
   if (standard_deviation(effort) == 0) return;
   const double ideal = ideal_sigma(s, joint);

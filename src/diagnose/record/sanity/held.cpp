@@ -47,64 +47,56 @@ struct Update {
   bool held = false;
 };
 
-struct Updates {
-  std::vector<Eigen::Index> all;
-  std::vector<Update> since;  ///< of each but the first
-  std::map<int, int> held;    ///< number of held updates by rows since the previous one
-  Eigen::Index first = 0;
-};
-
 /// A live sensor of step q changes before the motion exceeds q. A held one stays while the motion exceeds it,
 /// and its next value makes up for all of the motion; after backlash or a stop by friction it does not.
-Updates updates_of(const Followed& f) {
-  Updates u;
+/// @param visit  is called with each update but the first, and its row
+template <class Visit>
+void visit_updates(const Followed& f, Visit visit) {
   const double least = f.quantum + f.slack;
   Eigen::Index last = 0;
   for (Eigen::Index k = 1; k < f.signal.size(); ++k) {
     if (f.signal[k] == f.signal[k - 1]) continue;
-    const double travel = f.motion[k] - f.motion[last];
-    if (last > 0) u.since.push_back({std::abs(travel), static_cast<int>(k - last)});
-    if (last > 0 && std::abs(travel) > 2 * least) {
-      const bool stayed = std::abs(f.motion[k - 1] - f.motion[last]) > least;
+    if (last > 0) {
+      const double travel = f.motion[k] - f.motion[last];
       // A twentieth of the travel: errors of scale.
-      const bool made_up =
-          std::abs(f.signal[k] - f.signal[last] - travel) < 2 * least + 0.05 * std::abs(travel);
-      if (stayed && made_up) {
-        u.since.back().held = true;
-        ++u.held[static_cast<int>(k - last)];
-        if (u.first == 0) u.first = last;
-      }
+      const bool held = std::abs(travel) > 2 * least && std::abs(f.motion[k - 1] - f.motion[last]) > least &&
+                        std::abs(f.signal[k] - f.signal[last] - travel) < 2 * least + 0.05 * std::abs(travel);
+      visit(Update{std::abs(travel), static_cast<int>(k - last), held}, k);
     }
-    u.all.push_back(last = k);
+    last = k;
   }
-  return u;
 }
 
 std::optional<Hold> hold_of(const Sanity& s, const Followed& f) {
-  Updates u = updates_of(f);
+  std::map<int, int> held;  // number of held updates by rows since the previous one
+  Hold h;
   int count = 0, below = 0;
-  for (const auto& [rows, updates] : u.held) count += updates;
+  visit_updates(f, [&](const Update& update, Eigen::Index k) {
+    if (!update.held) return;
+    ++held[update.rows];
+    if (count++ == 0) h.first = k - update.rows;
+  });
   if (count < fewest_updates) return std::nullopt;
-  Hold h{0, u.first, {}};
-  for (const auto& [rows, updates] : u.held)
+  for (const auto& [rows, updates] : held)
     if (below <= count / 2) h.rows = rows, below += updates;
   // A change that comes sooner than a hold of these rows would at its speed is of a live sensor: noise of the
   // readings now and then repeats a value, too.
   double telling = 0, stale = 0;
-  for (const Update& update : u.since) {
+  visit_updates(f, [&](const Update& update, Eigen::Index k) {
     const double in_hold = update.travel * std::max(1.0, static_cast<double>(h.rows) / update.rows);
     if (in_hold > 2 * (f.quantum + f.slack)) telling += update.travel;
     if (update.held) stale += update.travel;
-  }
+    if (h.fresh.empty()) h.fresh.push_back(k - update.rows);
+    h.fresh.push_back(k);
+  });
   if (stale < 0.5 * telling) return std::nullopt;
   // Where all updates have one phase, rows at rest in this phase are fresh, too.
   const auto phase = [&](Eigen::Index k) {
     return static_cast<std::size_t>(s.log.row_number(k) % static_cast<std::uint64_t>(h.rows));
   };
   std::vector<double> phases(static_cast<std::size_t>(h.rows));
-  for (const Eigen::Index k : u.all) ++phases[phase(k)];
+  for (const Eigen::Index k : h.fresh) ++phases[phase(k)];
   const auto usual = std::max_element(phases.begin(), phases.end());
-  h.fresh = std::move(u.all);
   if (*usual < in_phase * static_cast<double>(h.fresh.size())) return h;
   h.fresh.clear();
   for (Eigen::Index k = 0; k < f.signal.size(); ++k)
@@ -147,12 +139,12 @@ double noise_of_reference(const Sanity& s, std::size_t encoder, const Eigen::Arr
 }
 
 std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
+  if (!has_counts(s, encoder) || !s.log.has_time() || s.log.values.rows() < fewest_updates)
+    return std::nullopt;
   const auto read = recorded_counts(s, encoder);
-  const auto stamps = s.log.find(LogSignal::time);
-  if (!read || !stamps) return std::nullopt;
   const double step = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
-  if (reference.size() < fewest_updates) return std::nullopt;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
+  if (reference.size() == 0) return std::nullopt;
   // First: steps of a held reference would be taken for its noise.
   if (auto h = hold_of(s, {reference, read->counts, s.reference_grid[encoder] / step, 1})) {
     report_hold(s, *h, encoder, LogSignal::reference, "reference");
@@ -318,7 +310,7 @@ constexpr double least_distance = 4;
 
 /// Rows at which a piecewise linear column bends. Empty: it is not piecewise linear.
 /// @param rounding  of the values by the file: four halves of it bend a straight line
-std::vector<Eigen::Index> knots_of(const Eigen::ArrayXd& x, double rounding) {
+std::vector<Eigen::Index> knots_of(const Eigen::Ref<const Eigen::ArrayXd>& x, double rounding) {
   const double exact = 16 * std::numeric_limits<double>::epsilon() * x.abs().maxCoeff();
   const double straight = 2.01 * rounding + exact;
   std::vector<Eigen::Index> knots;
@@ -365,7 +357,7 @@ void check_interpolated(Sanity& s) {
     fresh = std::move(either);
   };
   for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
-    if (!recorded_counts(s, j)) continue;
+    if (!has_counts(s, j)) continue;
     const std::vector<Eigen::Index> rows = rows_of_readings(s, j);
     if (rows.empty() || static_cast<double>(rows.size()) > nearly_all * static_cast<double>(all)) continue;
     add(rows);

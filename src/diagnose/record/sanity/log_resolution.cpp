@@ -113,7 +113,7 @@ void check_measured(Sanity& s, RecordedCounts& read, std::size_t encoder) {
 }
 
 /// The smallest change of a reference that often stays constant while the counts change; else 0.
-double reference_step(const Eigen::ArrayXd& reference, const Eigen::ArrayXd& counts) {
+double reference_step(const Eigen::Ref<const Eigen::ArrayXd>& reference, const Eigen::ArrayXd& counts) {
   Eigen::Index constant = 0, changes = 0;
   double smallest = 1e300;
   for (Eigen::Index k = 1; k < counts.size(); ++k) {

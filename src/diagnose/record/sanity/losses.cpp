@@ -79,12 +79,13 @@ std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& m
 }  // namespace
 
 void check_losses(Sanity& s, std::size_t encoder) {
-  auto read = recorded_counts(s, encoder);
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const auto stamps = s.log.find(LogSignal::time);
-  if (!read || !stamps || reference.size() < 8 * side || reference.size() > most_read) return;
+  const Eigen::Index rows = s.log.values.rows();
+  if (!has_counts(s, encoder) || !has_reference(s, encoder) || !stamps || rows < 8 * side || rows > most_read)
+    return;
+  auto read = recorded_counts(s, encoder);
   const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd motion = reference / resolution;
+  const Eigen::ArrayXd motion = reference_in_counts(s, encoder);
   const double sign = direction(s.model.transmission.encoders[encoder]);
   const Eigen::ArrayXd time_of_row =
       s.log.values.col(*stamps) - s.log.values(0, *stamps);  // as effects count it

@@ -148,12 +148,13 @@ double bend(const Eigen::ArrayXd& x, Eigen::Index k) {
 }
 
 std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
-  const auto read = recorded_counts(s, encoder);
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const auto stamps = s.log.find(LogSignal::time);
   const Eigen::Index n = s.log.values.rows();
-  if (!read || reference.size() == 0 || !stamps || n < static_cast<Eigen::Index>(fewest_of_class)) return {};
-  const Eigen::ArrayXd motion = reference / s.model.transmission.encoders[encoder].resolution;
+  if (!has_counts(s, encoder) || !has_reference(s, encoder) || !stamps ||
+      n < static_cast<Eigen::Index>(fewest_of_class))
+    return {};
+  const auto read = recorded_counts(s, encoder);
+  const Eigen::ArrayXd motion = reference_in_counts(s, encoder);
   const Eigen::ArrayXd error = read->counts - motion;
   const std::vector<Eigen::Index> rows = alone(error, motion, far_off(error, motion));
   // A hundredth of the rows and more are not single readings, but a scatter.

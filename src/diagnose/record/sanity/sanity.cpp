@@ -10,16 +10,29 @@ namespace qerr {
 
 namespace sanity {
 
-std::optional<RecordedCounts> recorded_counts(const Sanity& s, std::size_t encoder) {
-  const Transmission& t = s.model.transmission;
-  if (const auto counts = s.log.find(LogSignal::counts, encoder))
-    return RecordedCounts{*counts, true, s.log.values.col(*counts)};
-  const auto measured = s.log.find(LogSignal::measured, encoder);
+namespace {
+
+/// The column from which the counts of an encoder are read.
+std::optional<Eigen::Index> column_of_counts(const Sanity& s, std::size_t encoder) {
+  if (const auto counts = s.log.find(LogSignal::counts, encoder)) return counts;
+  const Coupling& coupling = s.model.transmission.coupling;
   const auto row = static_cast<Eigen::Index>(encoder);
-  const bool uncoupled = t.coupling(row, row) == 1 && t.coupling.row(row).cwiseAbs().sum() == 1;
-  if (!measured || !uncoupled) return std::nullopt;
-  return RecordedCounts{*measured, false, s.log.values.col(*measured) / t.encoders[encoder].resolution};
+  const bool uncoupled = coupling(row, row) == 1 && coupling.row(row).cwiseAbs().sum() == 1;
+  return uncoupled ? s.log.find(LogSignal::measured, encoder) : std::nullopt;
 }
+
+}  // namespace
+
+std::optional<RecordedCounts> recorded_counts(const Sanity& s, std::size_t encoder) {
+  const auto column = column_of_counts(s, encoder);
+  if (!column) return std::nullopt;
+  RecordedCounts read{*column, s.log.columns[static_cast<std::size_t>(*column)].signal == LogSignal::counts,
+                      s.log.values.col(*column)};
+  if (!read.direct) read.counts /= s.model.transmission.encoders[encoder].resolution;
+  return read;
+}
+
+bool has_counts(const Sanity& s, std::size_t encoder) { return column_of_counts(s, encoder).has_value(); }
 
 void write_back(Sanity& s, const RecordedCounts& r, std::size_t encoder) {
   s.log.values.col(r.column) =
@@ -28,6 +41,24 @@ void write_back(Sanity& s, const RecordedCounts& r, std::size_t encoder) {
 
 Eigen::ArrayXd encoder_reference(const Sanity& s, std::size_t encoder) {
   return qerr::encoder_reference(s.model, s.log, static_cast<Eigen::Index>(encoder)).position;
+}
+
+Eigen::ArrayXd reference_in_counts(const Sanity& s, std::size_t encoder) {
+  Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  reference /= s.model.transmission.encoders[encoder].resolution;
+  return reference;
+}
+
+bool has_reference(const Sanity& s, std::size_t encoder) {
+  return qerr::has_reference(s.model, s.log, static_cast<Eigen::Index>(encoder));
+}
+
+Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>& x) {
+  constexpr Eigen::Index most = 8192;
+  const Eigen::Index n = std::min(x.size(), most);
+  Eigen::ArrayXd out(n);
+  for (Eigen::Index k = 0; k < n; ++k) out[k] = x[k * x.size() / n];
+  return out;
 }
 
 double ideal_sigma(const Sanity& s, std::size_t joint) {
@@ -88,7 +119,7 @@ void check_reference_exists(Sanity& s) {
   bool exists =
       s.log.find(LogSignal::tip, 0) || s.log.find(LogSignal::tip, 1) || s.log.find(LogSignal::tip, 2);
   for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i)
-    exists = exists || (recorded_counts(s, i) && encoder_reference(s, i).size() > 0);
+    exists = exists || (has_counts(s, i) && has_reference(s, i));
   if (!exists)
     s.cannot_judge =
         "the log has no reference that can be used: record 'JOINT.reference' with a reference sensor at a "
@@ -115,11 +146,11 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
         modify(s.model.transmission.encoders[i]);
   const std::size_t encoders = model.transmission.encoders.size();
   for (std::size_t i = 0; i < encoders; ++i) {
-    const auto read = sanity::recorded_counts(s, i);
-    const Eigen::ArrayXd reference = sanity::encoder_reference(s, i);
-    s.rms_before.push_back(read && reference.size() > 0
-                               ? rms(read->counts * model.transmission.encoders[i].resolution - reference)
-                               : 0);
+    s.rms_before.push_back(
+        sanity::has_counts(s, i) && sanity::has_reference(s, i)
+            ? rms(sanity::recorded_counts(s, i)->counts * model.transmission.encoders[i].resolution -
+                  sanity::encoder_reference(s, i))
+            : 0);
   }
   sanity::check_held_cells(s);
   if (s.log.values.rows() < 8) return s;  // too few for any of the checks

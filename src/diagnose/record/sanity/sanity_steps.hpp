@@ -24,6 +24,7 @@ struct RecordedCounts {
 
 /// Empty if the log has neither counts nor, for an uncoupled joint, the measured position.
 std::optional<RecordedCounts> recorded_counts(const Sanity&, std::size_t encoder);
+bool has_counts(const Sanity&, std::size_t encoder);
 
 /// Writes counts of the model's present resolution to the log.
 void write_back(Sanity&, const RecordedCounts&, std::size_t encoder);
@@ -31,6 +32,11 @@ void write_back(Sanity&, const RecordedCounts&, std::size_t encoder);
 /// Reference in the encoder's coordinate, from the references of all joints that move it [rad or m]; empty if
 /// one of them is missing.
 Eigen::ArrayXd encoder_reference(const Sanity&, std::size_t encoder);
+Eigen::ArrayXd reference_in_counts(const Sanity&, std::size_t encoder);
+bool has_reference(const Sanity&, std::size_t encoder);
+
+/// Rows, evenly spaced, of which a long record has enough for a slope.
+Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>&);
 
 /// Standard deviation of a joint's quantization error, from all encoders that determine it [rad or m].
 double ideal_sigma(const Sanity&, std::size_t joint);

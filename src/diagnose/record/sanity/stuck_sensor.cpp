@@ -144,7 +144,7 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
   if (!read) return;
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const double travel = peak_to_peak(read->counts);
-  if (column && peak_to_peak(s.log.values.col(*column)) == 0 && travel >= missed_motion) {
+  if (column && (s.log.values.col(*column) == s.log.values(0, *column)).all() && travel >= missed_motion) {
     s.warnings.push_back(s.log.columns[static_cast<std::size_t>(*column)].header +
                          ": constant, while the encoder moves by " + significant(travel, 4) +
                          " counts: the column is not used");
@@ -153,6 +153,8 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
   }
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   if (column && reference.size() > 0 && travel >= missed_motion) {
+    // What differs in some rows differs.
+    if (standard_deviation(some_rows(read->counts) - some_rows(reference) / resolution) >= copied) return;
     const double differs = standard_deviation(read->counts - reference / resolution);
     if (differs >= copied) return;
     s.data.push_back(
@@ -179,14 +181,16 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
 }
 
 void check_unrelated(Sanity& s, std::size_t encoder) {
-  const auto read = recorded_counts(s, encoder);
   const auto column = s.log.find(LogSignal::reference, encoder);
-  if (!read || !column) return;
-  const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
-  if (reference.size() < fewest_rows_of_slope || peak_to_peak(read->counts) < missed_motion ||
-      peak_to_peak(reference) < missed_motion)
+  if (!column || !has_counts(s, encoder) || !has_reference(s, encoder) ||
+      s.log.values.rows() < fewest_rows_of_slope)
     return;
+  const auto read = recorded_counts(s, encoder);
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
+  // A slope that some rows have beyond chance.
+  if (std::abs(fit_line(some_rows(reference), some_rows(read->counts)).slope) > 10 * unrelated_slope) return;
+  if (peak_to_peak(read->counts) < missed_motion || peak_to_peak(reference) < missed_motion) return;
   const Line line = fit_line(reference, read->counts);
   const double explained = std::abs(line.slope) * standard_deviation(reference);
   if (std::abs(line.slope) > unrelated_slope || explained > line.residual_rms / std::sqrt(3.0)) return;
@@ -210,13 +214,10 @@ void check_unrelated(Sanity& s, std::size_t encoder) {
 }
 
 void check_frozen_reference(Sanity& s, std::size_t encoder) {
-  const auto read = recorded_counts(s, encoder);
-  const auto column = s.log.find(LogSignal::reference, encoder);
-  if (!read || !column) return;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  if (reference.size() == 0) return;  // that of a coupled joint is missing
-  const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const std::vector<StandingReference> all = frozen(read->counts, reference / resolution);
+  if (!has_counts(s, encoder) || !has_reference(s, encoder) || !s.log.find(LogSignal::reference, encoder))
+    return;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
+  const std::vector<StandingReference> all = frozen(recorded_counts(s, encoder)->counts, reference);
   if (all.empty()) return;
   std::vector<char> left_out(static_cast<std::size_t>(reference.size()));
   for (const StandingReference& still : all)
@@ -235,11 +236,10 @@ void check_frozen_reference(Sanity& s, std::size_t encoder) {
 }
 
 void check_stuck_sensor(Sanity& s, std::size_t encoder) {
+  if (!has_counts(s, encoder) || !has_reference(s, encoder) || !s.log.has_time()) return;
   const auto read = recorded_counts(s, encoder);
-  if (!read || !s.log.has_time()) return;
   const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
-  if (reference.size() == 0) return;
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   const Eigen::Index n = read->counts.size();
   std::vector<ConstantRun> stuck;
   double missed = 0;

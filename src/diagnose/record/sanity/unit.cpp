@@ -48,16 +48,6 @@ constexpr double proportional = 0.98;
 /// The factors differ by 4 % and more, so that each slope has one factor at most.
 constexpr double same_factor = 0.02;
 
-constexpr Eigen::Index most_rows = 8192;
-
-/// At most `most_rows` rows, evenly spaced.
-Eigen::ArrayXd thinned(const Eigen::ArrayXd& x) {
-  const Eigen::Index n = std::min(x.size(), most_rows);
-  Eigen::ArrayXd out(n);
-  for (Eigen::Index k = 0; k < n; ++k) out[k] = x[k * x.size() / n];
-  return out;
-}
-
 /// The measured position of a joint and its reference; empty arrays if one is missing or rests.
 struct Pair {
   Eigen::ArrayXd measured, reference;
@@ -69,8 +59,8 @@ Pair pair_of(const Sanity& s, std::size_t joint) {
   const auto column = s.log.find(LogSignal::reference, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   if (!column || !measured || s.log.values.rows() < fewest_rows_of_slope) return p;
-  p.measured = thinned(*measured);
-  p.reference = thinned(s.log.values.col(*column));
+  p.measured = some_rows(*measured);
+  p.reference = some_rows(s.log.values.col(*column));
   // Eight counts: less has no slope.
   p.moves =
       peak_to_peak(p.measured) > 8 * ideal_sigma(s, joint) * std::sqrt(12.0) && peak_to_peak(p.reference) > 0;

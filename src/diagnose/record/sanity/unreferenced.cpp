@@ -188,11 +188,10 @@ void find_ripple(Sanity& s, std::size_t encoder, const CountsAlone& c) {
 void check_unreferenced(Sanity& s, std::size_t encoder) {
   const bool tracked =
       s.log.find(LogSignal::tip, 0) || s.log.find(LogSignal::tip, 1) || s.log.find(LogSignal::tip, 2);
-  const auto read = recorded_counts(s, encoder);
-  if (!read || !read->direct || tracked || encoder_reference(s, encoder).size() > 0 ||
-      read->counts.size() < fewest_rows_alone)
-    return;
-  const CountsAlone c(read->counts);
+  const auto column = s.log.find(LogSignal::counts, encoder);
+  if (!column || tracked || has_reference(s, encoder) || s.log.values.rows() < fewest_rows_alone) return;
+  const Eigen::ArrayXd counts = s.log.values.col(*column);
+  const CountsAlone c(counts);
   if (!find_holds(s, encoder, c)) find_leaps(s, encoder, c);
   find_ripple(s, encoder, c);
 }

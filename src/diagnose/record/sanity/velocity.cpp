@@ -236,8 +236,9 @@ void report_noise(Sanity& s, const RecordedVelocity& r, const RecordedFilter& be
 void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t joint) {
   constexpr Eigen::Index enough = 1 << 16;  // rows: a filter's cut-off is known to 1e-4 and better (1 kHz)
   const auto column = s.log.find(LogSignal::velocity, joint), stamps = s.log.find(LogSignal::time);
+  if (!column || !stamps || s.log.values.rows() < 200) return;
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !stamps || !measured || s.log.values.rows() < 200) return;
+  if (!measured) return;
   const Eigen::ArrayXd time = s.log.values.col(*stamps);
   const Eigen::Index n = time.size();
   const RecordedVelocity whole{time, *measured, s.log.values.col(*column),
@@ -391,8 +392,9 @@ FactorReading reading_of(double factor, const LogColumn& column, bool prismatic)
 
 void check_velocity_column(Sanity& s, std::size_t joint) {
   const auto column = s.log.find(LogSignal::velocity, joint), stamps = s.log.find(LogSignal::time);
+  if (!column || !stamps || s.log.values.rows() < 200) return;
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !stamps || !measured || s.log.values.rows() < 200) return;
+  if (!measured) return;
   const bool decoded = std::any_of(s.causes.begin(), s.causes.end(), [&](const Cause& c) {
     return c.effect.type == decoding_effect().name && c.effect.joint == s.model.chain.independent[joint].name;
   });
