@@ -29,6 +29,11 @@ inline constexpr double least_part_within = 0.9;
 /// The joint's path where the clocks of its encoder read it: what drives a play at the joint [rad or m].
 Eigen::ArrayXd path_as_read(const Evidence&, const std::vector<Effect>& clocks);
 
+/// Whether one term displaces the position on which another depends, as the signal path has it: clock, link
+/// and play that of all behind them, a wrong ratio that of disc and lines; everything before the disc is
+/// multiplied by the ratio.
+bool displaces(const Term&, const Term& other);
+
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
 /// add.
 void add_coupled_effects(std::vector<Evidence>&, const Transmission&, const std::vector<Effect>&);
