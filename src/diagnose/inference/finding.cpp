@@ -48,8 +48,9 @@ double time_of_step(const Sampling& s, double time) {
   return 0.5 * (all[best - 1] + all[best]);
 }
 
-/// The fit with orders and time constants at the maximum of its likelihood, as their intervals have it: the
-/// search ends at a part of its own half-width.
+/// The fit with time constants at the maximum of its likelihood, as their intervals have it: the search ends
+/// at a part of its own half-width. Terms without a name may be several for one curve, whose orders would
+/// drift apart.
 Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
   constexpr int most_steps = 4;
   constexpr double enough = 0.02;  // of log-likelihood: a fifth of the standard deviation
@@ -58,7 +59,7 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
     std::vector<std::size_t> shaped;
     Explanation wider = m;
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      if (shape_name(terms[i]).empty()) continue;
+      if (!terms[i].named() || shape_name(terms[i]).empty()) continue;
       shaped.push_back(i);
       wider.add(with_columns(terms[i], shape_column(e, terms[i], m.coefficients(i))));
     }
@@ -67,9 +68,7 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
     for (std::size_t s = 0; s < shaped.size(); ++s) {
       Term& t = terms[shaped[s]];
       const double by = wider.coefficients(terms.size() + s)[0], most = 0.5 * t.half_width;
-      Term at = t.reshaped(e, t, t.shape + std::clamp(by, -most, most));
-      at.pattern = t.pattern;
-      t = std::move(at);
+      t = t.reshaped(e, t, t.shape + std::clamp(by, -most, most));
     }
     Explanation next(e);
     for (Term& t : terms) next.add(std::move(t));
