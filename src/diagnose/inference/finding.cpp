@@ -171,16 +171,13 @@ std::size_t least_name(const FoundCauses& found) {
 }
 
 /// A term whose size the fit has made impossible, such as a negative play, an order of which it has left less
-/// than half of what is worth a term, a shape of which it has left less than a tenth, or one that is below
-/// twice its standard deviation even if nothing else were like it.
+/// than half of what is worth a term, or a shape of which it has left less than a tenth.
 std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
   constexpr double half = 0.5 * material, tenth = 0.1 * material;  // counts
-  const double random =
-      2 * std::sqrt((m.noise() * m.noise() + step * step / 12) / static_cast<double>(m.addition().size()));
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
     const Term& t = m.terms()[i];
-    const double least = std::max(random, (!t.named() ? tenth : t.harmonic ? half : 0) * step);
-    if ((t.positive > 0 && m.coefficients(i)[0] < 0) || size_of(m, i) < least) return i;
+    const double least = !t.named() ? tenth : t.harmonic ? half : 0;
+    if ((t.positive > 0 && m.coefficients(i)[0] < 0) || size_of(m, i) < least * step) return i;
   }
   return std::nullopt;
 }
