@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/solve.hpp"
-#include "qerr/effect/effect_kind.hpp"
+#include "diagnose/record/with_effects.hpp"
 
 namespace qerr {
 
@@ -115,13 +115,6 @@ namespace {
 constexpr double log_likelihood_tolerance = 1e-3;  ///< log-likelihood gain at which the iteration ends
 constexpr int most_newton_steps = 60;
 
-/// Whether a term displaces the position on which the errors of gear teeth, disc and lines depend.
-bool acts_before_teeth(const Term& t) {
-  if (!t.named()) return false;
-  const EffectKind& kind = effect_kind(t.effect.type);
-  return kind.stage < Stage::gear || kind.first_in_stage;
-}
-
 }  // namespace
 
 IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, double outliers) const {
@@ -214,11 +207,11 @@ void Explanation::fit_plainly() {
   beta_ = unit.cwiseQuotient(scale);
 }
 
-/// Additions of clock, link and play, which displace the position of gear teeth, disc and lines [rad or m].
-Eigen::ArrayXd Explanation::moved_before() const {
+/// What the other terms add to the position on which a term depends [rad or m].
+Eigen::ArrayXd Explanation::moved_before(std::size_t term) const {
   Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(evidence_->rows());
   for (std::size_t k = 0; k < terms_.size(); ++k)
-    if (acts_before_teeth(terms_[k])) moved += qerr::addition(terms_[k], coefficients(k));
+    if (k != term && displaces(terms_[k], terms_[term])) moved += qerr::addition(terms_[k], coefficients(k));
   return moved;
 }
 
@@ -227,10 +220,13 @@ Eigen::ArrayXd Explanation::moved_before() const {
 /// @return whether a linear term changed by more than a tenth of the noise
 bool Explanation::follow_path() {
   constexpr double negligible = 0.1;  // of the noise
-  const Eigen::ArrayXd moved = moved_before();
+  std::vector<Eigen::ArrayXd> before(terms_.size());
+  for (std::size_t k = 0; k < terms_.size(); ++k)
+    if (terms_[k].along) before[k] = moved_before(k);
   bool any = false;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k].along) continue;
+    const Eigen::ArrayXd& moved = before[k];
     if (terms_[k].relinearized) {
       terms_[k] = terms_[k].along(*evidence_, terms_[k], moved);
       continue;  // it is linearized again after the fit

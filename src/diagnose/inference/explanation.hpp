@@ -57,7 +57,7 @@ class Explanation {
   double least_noise() const;
   Eigen::VectorXd assemble_columns();
   void fit_plainly();
-  Eigen::ArrayXd moved_before() const;
+  Eigen::ArrayXd moved_before(std::size_t term) const;
   bool follow_path();
   void fit_along_path();
   void fit_nonlinear();

@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "core/statistics.hpp"
+#include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -47,6 +48,38 @@ double time_of_step(const Sampling& s, double time) {
   return 0.5 * (all[best - 1] + all[best]);
 }
 
+/// The fit with time constants at the maximum of its likelihood, as their intervals have it: the search ends
+/// at a part of its own half-width. Terms without a name may be several for one curve, whose orders would
+/// drift apart.
+Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
+  constexpr int most_steps = 4;
+  constexpr double enough = 0.02;  // of log-likelihood: a fifth of the standard deviation
+  for (int step = 0; step < most_steps; ++step) {
+    std::vector<Term> terms = m.terms();
+    std::vector<std::size_t> shaped;
+    Explanation wider = m;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      if (!terms[i].named() || shape_name(terms[i]).empty()) continue;
+      shaped.push_back(i);
+      wider.add(with_columns(terms[i], shape_column(e, terms[i], m.coefficients(i))));
+    }
+    if (shaped.empty()) break;
+    wider.fit();
+    for (std::size_t s = 0; s < shaped.size(); ++s) {
+      Term& t = terms[shaped[s]];
+      const double by = wider.coefficients(terms.size() + s)[0], most = 0.5 * t.half_width;
+      t = t.reshaped(e, t, t.shape + std::clamp(by, -most, most));
+    }
+    Explanation next(e);
+    for (Term& t : terms) next.add(std::move(t));
+    next.fit();
+    const double better = next.log_likelihood() - m.log_likelihood();
+    if (better > 0) m = std::move(next);
+    if (!(better > enough)) break;
+  }
+  return m;
+}
+
 }  // namespace
 
 Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
@@ -61,7 +94,10 @@ Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
   }
   for (const Replacement& r : found.replacements)
     s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
-  if (!found.chosen.empty()) s.model.fit();
+  if (!found.chosen.empty()) {
+    s.model.fit();
+    s.model = with_fitted_shapes(sampling.evidence, std::move(s.model));
+  }
   return s;
 }
 

@@ -10,12 +10,6 @@
 
 namespace qerr {
 
-namespace {
-
-constexpr double normal_quantile_95 = 1.959963984540054;
-constexpr double half_chi_squared = 1.92;
-
-/// Name of the parameter on which a term's columns depend non-linearly; "" for a linear term.
 std::string shape_name(const Term& t) {
   if (!t.reshaped) return "";
   for (const auto& [name, value] : t.effect.numbers)
@@ -23,12 +17,16 @@ std::string shape_name(const Term& t) {
   return "";
 }
 
-/// What a small change of the shape adds, per unit of it.
 Eigen::ArrayXd shape_column(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
   const double change = 1e-3 * (t.half_width > 0 ? t.half_width : std::abs(t.shape));
   const Term more = t.reshaped(e, t, t.shape + change), less = t.reshaped(e, t, t.shape - change);
   return ((more.columns - less.columns).matrix() * coefficients).array() / (2 * change);
 }
+
+namespace {
+
+constexpr double normal_quantile_95 = 1.959963984540054;
+constexpr double half_chi_squared = 1.92;
 
 /// Covariance of all that was fitted, twice: by the curvature alone, and with the scatter of the blocks.
 struct Covariance {

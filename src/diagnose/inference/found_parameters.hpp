@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "diagnose/inference/explanation.hpp"
@@ -11,6 +12,12 @@ namespace qerr {
 /// intervals of `tests/hidden/study.py --cases 150 --seed 11`, 86 % contained the truth without this factor,
 /// which is the ratio of the normal quantiles of 95 % and 86 %.
 inline constexpr double interval_calibration = 1.33;
+
+/// Name of the parameter on which a term's columns depend non-linearly; "" for a linear term.
+std::string shape_name(const Term&);
+
+/// What a small change of the shape adds, per unit of it.
+Eigen::ArrayXd shape_column(const Evidence&, const Term&, const Eigen::VectorXd& coefficients);
 
 /// The parameters of every term of a fitted explanation, each with its 95 % interval.
 ///

@@ -165,6 +165,7 @@ Explanation simulated_fit(const Sampling& s, const Explanation& model) {
     }
     Term simulated = with_columns(t, columns[i]);
     simulated.fixed = constant;
+    simulated.reshaped = t.reshaped;  // its interval is as wide as if it were fitted, too
     constant = {};
     fitted.add(std::move(simulated));
   }

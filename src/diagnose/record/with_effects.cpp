@@ -11,6 +11,13 @@
 
 namespace qerr {
 
+bool displaces(const Term& t, const Term& other) {
+  if (!t.named() || t.constant) return false;
+  const EffectKind &kind = effect_kind(t.effect.type), &next = effect_kind(other.effect.type);
+  if (next.stage == Stage::disc && next.first_in_stage) return kind.stage < next.stage;
+  return (kind.stage < Stage::gear || kind.first_in_stage) && kind.stage <= next.stage;
+}
+
 namespace {
 
 bool is_random(const Effect& effect) { return effect_kind(effect.type).random(); }

@@ -44,6 +44,11 @@ class PathAsRead {
   Eigen::Index before_ = 0;  ///< row of the last instant
 };
 
+/// Whether one term displaces the position on which another depends, as the signal path has it: clock, link
+/// and play that of all behind them, a wrong ratio that of disc and lines; everything before the disc is
+/// multiplied by the ratio.
+bool displaces(const Term&, const Term& other);
+
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
 /// add.
 void add_coupled_effects(std::vector<Evidence>&, const Transmission&, const std::vector<Effect>&);

@@ -106,7 +106,7 @@ class CauseSearch {
 
   /// The model of what has been scanned, and its choice.
   void rebuild() {
-    model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events,
+    model_.emplace(record_, samples_, dictionary_.candidates(scanned_, displacing_), scanned_.events,
                    clocks_of(samples_.sampling.evidence, scanned_), excess_);
     choose();
   }
@@ -132,12 +132,14 @@ class CauseSearch {
   }
 
   bool displace() {
-    Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(samples_.size());
+    std::vector<Addition> now;
+    Eigen::ArrayXd change = Eigen::ArrayXd::Zero(samples_.size());
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
-      if (acts_before_teeth(term(i))) moved += added(i);
-    const Eigen::ArrayXd before = moved_.size() > 0 ? moved_ : Eigen::ArrayXd::Zero(samples_.size());
-    const bool changed = (moved - before).abs().maxCoeff() > 2 * record_.step();
-    if (changed) moved_ = std::move(moved);
+      if (acts_before_teeth(term(i))) now.push_back({term(i), added(i)});
+    for (const Addition& a : now) change += a.added;
+    for (const Addition& a : displacing_) change -= a.added;
+    const bool changed = change.abs().maxCoeff() > 2 * record_.step();
+    if (changed) displacing_ = std::move(now);
     return changed;
   }
 
@@ -246,7 +248,7 @@ class CauseSearch {
   Scanned scanned_;
   ChoiceHistory history_;
   std::vector<std::string> families_;  ///< of the previous pass's choice
-  Eigen::ArrayXd moved_;               ///< displacement on which the errors of teeth and disc depend
+  std::vector<Addition> displacing_;   ///< what displaces the position on which others depend
   ExcessVariance excess_;
   std::optional<ErrorModel> model_;
   Choice choice_;

@@ -48,12 +48,12 @@ using Shapes = std::map<std::string, std::vector<double>>;
 
 class Candidates {
  public:
-  Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories,
-             Shapes& shapes)
+  Candidates(const Sampling& s, const Scanned& scanned, const std::vector<Addition>& displacing,
+             Histories& histories, Shapes& shapes)
       : s_(s),
         e_(s.evidence),
         scanned_(scanned),
-        moved_(moved),
+        displacing_(displacing),
         histories_(histories),
         shapes_(shapes),
         clocks_(clocks_of(e_, scanned)) {
@@ -81,6 +81,15 @@ class Candidates {
     if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
     found_.push_back(
         {std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, false, std::move(over)});
+  }
+
+  /// A term along the path that what was found displaces.
+  Term displaced(Term t) const {
+    Eigen::ArrayXd moved;
+    if (t.along)
+      for (const Addition& a : displacing_)
+        if (displaces(a.term, t)) moved = moved.size() > 0 ? (moved + a.added).eval() : a.added;
+    return moved.size() > 0 ? t.along(e_, t, moved) : t;
   }
 
   /// A term without history: computed from the averaged signals.
@@ -113,7 +122,7 @@ class Candidates {
         add_reshaped(t, over);
         continue;
       }
-      if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
+      t = displaced(std::move(t));
       std::string family = t.effect.type;
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
@@ -259,14 +268,14 @@ class Candidates {
         if (has_family(family) || periods_covered(t.effect, e_) < least_periods) continue;
         const double order = t.effect.number("order");
         const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
-        if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
+        t = displaced(std::move(t));
         add(std::move(t), family, 2 * order,
             [order, of_encoder](const Sampling& s) { return periodic_term(s.evidence, order, of_encoder); });
       }
       if (r.whole) continue;
       Term free = free_order_term(e_, r.value);
       free.pattern = Shape::order;
-      if (free.along && moved_.size() > 0) free = free.along(e_, free, moved_);
+      free = displaced(std::move(free));
       add(std::move(free), "free order " + significant(r.value, 6), r.hypotheses,
           [value = r.value](const Sampling& s) {
             Term t = free_order_term(s.evidence, value);
@@ -428,7 +437,7 @@ class Candidates {
   const Sampling& s_;
   const Evidence& e_;
   const Scanned& scanned_;
-  const Eigen::ArrayXd& moved_;
+  const std::vector<Addition>& displacing_;
   Histories& histories_;
   Shapes& shapes_;
   std::vector<Effect> clocks_;  ///< that the previous pass has found
@@ -460,8 +469,9 @@ Term searchable(Term t) {
   return t;
 }
 
-std::vector<Candidate> Dictionary::candidates(const Scanned& scanned, const Eigen::ArrayXd& moved) {
-  return Candidates(*sampling_, scanned, moved, histories_, shapes_).all();
+std::vector<Candidate> Dictionary::candidates(const Scanned& scanned,
+                                              const std::vector<Addition>& displacing) {
+  return Candidates(*sampling_, scanned, displacing, histories_, shapes_).all();
 }
 
 std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {

@@ -45,6 +45,12 @@ struct Scanned {
   std::vector<double> travels;  ///< of a friction: beside the one found, and that one [rad or m]
 };
 
+/// A term that has been found, and what it adds at the samples [rad or m].
+struct Addition {
+  Term term;
+  Eigen::ArrayXd added;
+};
+
 /// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes
 /// that the catalogue does not have.
 class Dictionary {
@@ -52,9 +58,8 @@ class Dictionary {
   /// Borrows the sampling, which must outlive it.
   explicit Dictionary(const Sampling& s) : sampling_(&s) {}
 
-  /// @param moved  displacement of the path on which gear teeth and disc depend [rad or m], one per sample;
-  ///   empty: none
-  std::vector<Candidate> candidates(const Scanned&, const Eigen::ArrayXd& moved);
+  /// @param displacing  what displaces the position on which others depend
+  std::vector<Candidate> candidates(const Scanned&, const std::vector<Addition>& displacing);
 
  private:
   const Sampling* sampling_;

@@ -5,10 +5,20 @@ namespace qerr {
 
 namespace {
 
+/// The ratio multiplies what the disc turns by: what clock, link and gear add, too.
+Term along(const RecordSignals& s, const Term& t, const Eigen::ArrayXd& moved) {
+  Term next = t;
+  next.columns = s.path + moved;
+  next.moved = moved;
+  return next;
+}
+
 std::vector<Term> terms(const RecordSignals& s) {
   if (s.is_stationary()) return {};
-  return {linear_term(s, "scale", s.path,
-                      [](Effect& e, const Eigen::VectorXd& c) { e.numbers["scale"] = c[0]; })};
+  Term t =
+      linear_term(s, "scale", s.path, [](Effect& e, const Eigen::VectorXd& c) { e.numbers["scale"] = c[0]; });
+  t.along = along;
+  return {t};
 }
 
 }  // namespace
