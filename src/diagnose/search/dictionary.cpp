@@ -289,11 +289,14 @@ class Candidates {
   void add_arcs() {
     if (e_.is_stationary()) return;
     for (const bool of_encoder : {true, false}) {
-      if (!of_encoder && (e_.prismatic || std::abs(std::abs(e_.encoder.shaft_ratio) - 1) < 1e-9)) continue;
+      const double ratio = std::abs(e_.encoder.shaft_ratio);
+      if (!of_encoder && (e_.prismatic || std::abs(ratio - 1) < 1e-9)) continue;
+      const double turns = (of_encoder ? ratio : 1) * e_.range() / (2 * std::numbers::pi);
       for (const double order : {1.0, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+        if (order * turns >= least_periods) break;
         Term t = periodic_term(e_, order, of_encoder);
         const std::string family = family_of_order(t);
-        if (has_family(family) || periods_covered(t.effect, e_) >= least_periods) continue;
+        if (has_family(family)) continue;
         const std::size_t before = found_.size();
         add(std::move(t), family, 1,
             [order, of_encoder](const Sampling& s) { return periodic_term(s.evidence, order, of_encoder); });

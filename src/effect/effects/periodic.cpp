@@ -76,7 +76,10 @@ Term along(const RecordSignals& s, const Term& t, const Eigen::ArrayXd& moved) {
   Term next = t;
   next.moved = moved;
   next.columns.resize(s.rows(), 2);
-  next.columns << angle.sin(), angle.cos();
+  for (Eigen::Index k = 0; k < s.rows(); ++k) {
+    const double at = angle[k], sine = std::sin(at), cosine = std::cos(at);  // one call for both
+    next.columns.row(k) << sine, cosine;
+  }
   return next;
 }
 
