@@ -28,26 +28,6 @@ Machine swinging(unsigned seed) {
   return m;
 }
 
-/// The held-out halves must not have one direction of motion each: in it an offset and play are one.
-TEST(TwoCauses, PlayBesideAnOffsetIsFound) {
-  for (const double offset : {1e-4, -5e-4}) {
-    Machine m = swinging(1);
-    constexpr double gap = 6e-4;
-    Column read = m.path;
-    double side = 1;
-    for (Eigen::Index k = 0; k < m.rows; ++k) {
-      if (k > 0) side = m.path[k] > m.path[k - 1] ? 1 : -1;
-      read[k] += offset + 0.5 * gap * side;
-    }
-    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(read)));
-    const auto found = found_by(d);
-    ASSERT_TRUE(found.contains("backlash gap") && found.contains("offset offset")) << offset;
-    EXPECT_NEAR(found.at("backlash gap").value, gap, 0.01 * gap);
-    EXPECT_NEAR(found.at("offset offset").value, offset, 0.05 * std::abs(offset));
-    EXPECT_LT(d.gain.counts_after, 0.35);
-  }
-}
-
 /// A wrong ratio multiplies a reading that is late.
 TEST(TwoCauses, IntervalsBesideAScaleHoldTheDelay) {
   for (unsigned seed = 1; seed <= 4; ++seed) {

@@ -1,7 +1,6 @@
 #include "diagnose/inference/gain.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/random.hpp"
@@ -146,19 +145,9 @@ HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vec
   const std::vector<Eigen::Index> blocks = block_starts(sampled);
   const auto end_of = [&](std::size_t b) { return b + 1 < blocks.size() ? blocks[b + 1] : sampled.rows(); };
   h.held_out = blocks.size() >= fewest_blocks;
-  // Blocks end at reversals: where each of the alternate halves has one direction only, in which play and an
-  // offset are one, the sequence of Thue and Morse gives both halves both.
-  double directions = 0, alternating = 0;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const double sum = sampled.direction.segment(blocks[b], end_of(b) - blocks[b]).sum();
-    directions += std::abs(sum), alternating += b % 2 == 0 ? sum : -sum;
-  }
-  constexpr double one_sided = 0.8;
-  const bool sided = std::abs(alternating) > one_sided * directions && directions > 0;
   std::vector<Eigen::Index> halves[2];
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (const Eigen::Index k : range(blocks[b], end_of(b)))
-      halves[h.held_out ? (sided ? std::popcount(b) : static_cast<int>(b)) % 2 : 0].push_back(k);
+    for (const Eigen::Index k : range(blocks[b], end_of(b))) halves[h.held_out ? b % 2 : 0].push_back(k);
   Eigen::ArrayXd before(sampled.rows()), after(sampled.rows());
   for (int half = 0; half < (h.held_out ? 2 : 1); ++half) {
     const std::vector<Eigen::Index>& asked = halves[half];
