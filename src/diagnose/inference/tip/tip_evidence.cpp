@@ -339,19 +339,25 @@ double read_at(const TipEvidence& e, std::size_t encoder, double instant) {
   return position_at(path.time, path.position, path.velocity, instant);
 }
 
-/// The slope of `added_by_delay` by the delay.
-double slope_by_delay(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
-  constexpr double h = 1e-3;  // [s], within which rates hardly change
-  const double then = e.encoders[encoder].time[row] + delay;
-  return (read_at(e, encoder, then - h) - read_at(e, encoder, then + h)) / (2 * h);
-}
-
 }  // namespace
 
 double added_by_delay(const TipEvidence& e, std::size_t encoder, Eigen::Index row, double delay) {
   // The reading is of `delay` before; where the joint is now will be read then.
   const double time = e.encoders[encoder].time[row];
   return read_at(e, encoder, time) - read_at(e, encoder, time + delay);
+}
+
+Eigen::MatrixXd slopes_by_delay(const TipEvidence& e, const Eigen::MatrixXd& delay) {
+  constexpr double h = 1e-3;  // [s], within which rates hardly change
+  if (!e.ordered) return {};
+  Eigen::MatrixXd slopes(delay.rows(), delay.cols());
+  for (Eigen::Index i = 0; i < slopes.rows(); ++i)
+    for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+      const auto encoder = static_cast<std::size_t>(i);
+      const double then = e.encoders[encoder].time[k] + delay(i, k);
+      slopes(i, k) = (read_at(e, encoder, then - h) - read_at(e, encoder, then + h)) / (2 * h);
+    }
+  return slopes;
 }
 
 TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate& estimate,
@@ -367,8 +373,7 @@ TipColumns TipTerm::at(const TipPose& p, const TipEvidence& e, const TipEstimate
       for (std::size_t i = 0; i < e.encoders.size(); ++i)
         if (delays(i, e)) {
           const auto at = static_cast<Eigen::Index>(i);
-          const double slope = slope_by_delay(e, i, row, estimate.delay(at, row));
-          columns += p.joints * e.delayed.col(at) * (slope * term.columns(row, 0));
+          columns += p.joints * e.delayed.col(at) * (estimate.slope(at, row) * term.columns(row, 0));
         }
       break;
     case Kind::geometry:

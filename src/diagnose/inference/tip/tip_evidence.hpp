@@ -75,6 +75,7 @@ struct TipEstimate {
   Chain chain;
   Eigen::MatrixXd additions;  ///< encoders x rows: additions of the causes to the readings [rad or m]
   Eigen::MatrixXd delay;      ///< age of the readings, like the additions, which contain what it adds [s]
+  Eigen::MatrixXd slope;      ///< of what the delay adds, by the delay, like the additions [rad/s or m/s]
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< of the robot in the tracker's frame
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< the target, in the frame of the model's tip [m]
 
@@ -129,6 +130,10 @@ struct TipTerm {
 
 /// What the delay of an encoder adds to its reading at a row, by the path [rad or m].
 double added_by_delay(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
+
+/// The slope of `added_by_delay` by the delay: encoders x rows [rad/s or m/s]. Empty without an order of the
+/// rows, of which no clock is judged.
+Eigen::MatrixXd slopes_by_delay(const TipEvidence&, const Eigen::MatrixXd& delay);
 
 /// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; errors of
 /// the clock of all readings, which are those of the tracker's stamps, too.

@@ -6,6 +6,7 @@
 
 #include "core/random.hpp"
 #include "core/solve.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
 #include "diagnose/search/linear_model.hpp"
 #include "simulate/sensing.hpp"
 
@@ -153,6 +154,24 @@ Eigen::MatrixXd TipModel::beyond(const Projection& p, const Eigen::MatrixXd& col
   return left;
 }
 
+double TipModel::gain(const Eigen::MatrixXd& columns) const {
+  // Of a column's square: of less, which other columns leave, the difference of squares has too few digits.
+  constexpr double plain = 1e-3;
+  const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * columns;
+  Eigen::MatrixXd information = columns.transpose() * weighted;
+  const Eigen::VectorXd alone = information.diagonal();
+  if (const Projection& p = *projection_; p.columns.cols() > 0) {
+    const Eigen::MatrixXd shared = p.columns.transpose() * weighted;
+    information -= shared.transpose() * (p.inverse * shared);
+  }
+  if ((information.diagonal().array() <= plain * alone.array()).any())
+    return gain_of(solution_, beyond(columns));
+  information.diagonal().array() *= 1 + 1e-10;
+  // What is left is orthogonal to the model's columns.
+  const Eigen::VectorXd score = weighted.transpose() * solution_.residual;
+  return 0.5 * score.dot(solve_symmetric(information, score));
+}
+
 double TipModel::variance_inflation(const TipSolution& s, const Eigen::MatrixXd& columns,
                                     Eigen::Index coordinates) {
   const Eigen::VectorXd pull = s.weight.cwiseProduct(s.residual);
@@ -296,6 +315,7 @@ void TipModel::align() {
 /// Updates link dimensions, tilts of axes and encoder corrections by the coefficients.
 void TipModel::update_estimate() {
   std::vector<Effect> built;
+  const Eigen::MatrixXd before = estimate_.delay;
   estimate_.additions.setZero();
   estimate_.delay.setZero();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -319,6 +339,8 @@ void TipModel::update_estimate() {
       if (estimate_.delay(e, k) != 0)
         estimate_.additions(e, k) +=
             added_by_delay(*evidence_, static_cast<std::size_t>(e), k, estimate_.delay(e, k));
+  if (estimate_.slope.size() == 0 || estimate_.delay != before)
+    estimate_.slope = slopes_by_delay(*evidence_, estimate_.delay);
   estimate_.chain = as_built(model_->chain, built);
   for (std::size_t i = 0; i < terms_.size(); ++i)
     if (const TipTerm& t = terms_[i];

@@ -77,6 +77,9 @@ class TipModel {
   /// A term's columns less the projection on nuisance and the other terms.
   Eigen::MatrixXd beyond_others(std::size_t term) const;
 
+  /// Log-likelihood gain of further columns at the present weights, beside nuisance and all terms.
+  double gain(const Eigen::MatrixXd& columns) const;
+
   /// Variance of the scores of columns over their variance if residuals were independent from row to row.
   static double variance_inflation(const TipSolution&, const Eigen::MatrixXd& columns,
                                    Eigen::Index coordinates);

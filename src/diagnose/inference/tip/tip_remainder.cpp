@@ -296,8 +296,7 @@ TipTerm best_approach(const TipModel& m, TipTerm t) {
     Eigen::MatrixXd columns = unit;
     for (Eigen::Index k = 0; k < record.rows(); ++k)
       columns.middleRows(k * coordinates, coordinates) *= 1 - std::exp(-record.time[k] / constant);
-    if (const double gain = gain_of(m.solution(), m.beyond(columns)); gain > most)
-      most = gain, best = constant;
+    if (const double gain = m.gain(columns); gain > most) most = gain, best = constant;
   };
   for (const double part : {0.1, 0.3, 1.0}) try_constant(part * record.time[record.rows() - 1]);
   // Between these, or beyond: polynomials must not win by a better resolution.

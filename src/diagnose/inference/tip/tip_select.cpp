@@ -147,7 +147,7 @@ std::optional<TipStep> next_step(const TipModel& model, std::vector<TipTerm> all
   std::vector<Eigen::MatrixXd> columns;
   for (std::size_t i = 0; i < all.size(); ++i) {
     columns.push_back(model.columns(all[i]));
-    const double gain = gain_of(model.solution(), model.beyond(columns.back()));
+    const double gain = model.gain(columns.back());
     if (gain > 4) passing.emplace_back(gain, i);
   }
   std::sort(passing.rbegin(), passing.rend());
