@@ -495,8 +495,10 @@ TEST(DiagnoseTip, FindsNothingForACleanArmThatRestsAtTwentyPoints) {
       double from = 0, to = 0;
       for (Eigen::Index k = 0; k < 2000; ++k) {
         if (k % 100 == 0) from = std::exchange(to, dice.below(3) == 0 ? to : dice.between(-1.2, 1.2));
-        r.joints(j, k) = std::lerp(
-            from, to, 0.5 - 0.5 * std::cos(0.02 * std::numbers::pi * std::min<Eigen::Index>(k % 100, 50)));
+        r.joints(j, k) =
+            std::lerp(from, to,
+                      0.5 - 0.5 * std::cos(0.02 * std::numbers::pi *
+                                           static_cast<double>(std::min<Eigen::Index>(k % 100, 50))));
       }
     }
     const Diagnosis d = judge(arm.model(resolution), log_of(dice, arm, r, resolution, 3e-6));

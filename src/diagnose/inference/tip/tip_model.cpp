@@ -159,16 +159,16 @@ double TipModel::gain(const Eigen::MatrixXd& columns) const {
   constexpr double plain = 1e-3;
   const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * columns;
   Eigen::MatrixXd information = columns.transpose() * weighted;
+  Eigen::VectorXd score = weighted.transpose() * solution_.residual;
   const Eigen::VectorXd alone = information.diagonal();
   if (const Projection& p = *projection_; p.columns.cols() > 0) {
-    const Eigen::MatrixXd shared = p.columns.transpose() * weighted;
-    information -= shared.transpose() * (p.inverse * shared);
+    const Eigen::MatrixXd shared = p.columns.transpose() * weighted, on = p.inverse * shared;
+    information -= shared.transpose() * on;
+    score -= on.transpose() * (p.weighted.transpose() * solution_.residual);
   }
   if ((information.diagonal().array() <= plain * alone.array()).any())
     return gain_of(solution_, beyond(columns));
   information.diagonal().array() *= 1 + 1e-10;
-  // What is left is orthogonal to the model's columns.
-  const Eigen::VectorXd score = weighted.transpose() * solution_.residual;
   return 0.5 * score.dot(solve_symmetric(information, score));
 }
 
