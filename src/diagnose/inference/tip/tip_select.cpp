@@ -356,17 +356,45 @@ TipModel without_dimensions(TipModel m) {
   return m;
 }
 
+/// What some rows of a record say of unknown frames.
+struct SeenFrames {
+  UnknownFrames needed;
+  std::vector<UnknownFrames> needless;  ///< also for all rows
+};
+
+/// Frames that were tried, and what they bring beyond the best model before.
+struct FrameTrial {
+  UnknownFrames frames;
+  double log_likelihood = 0, value = 0;
+};
+
+struct FramedModel {
+  TipModel model;
+  std::vector<FrameTrial> trials;
+};
+
+/// Whether what a model leaves is no more than what neighbouring rows differ by: nothing is left to explain.
+bool leaves_noise(const TipModel& m) {
+  constexpr double complete = 1.3;  // as of an encoder's model
+  return m.solution().sigma <= complete * m.evidence().noise;
+}
+
 /// The best model with or without unknown frames.
-/// @param start  frames that the record is known to need
-TipModel best_framed(const OperationalModel& model, const TipEvidence& e, UnknownFrames start,
-                     std::uint64_t seed, const TipSelectOptions& options) {
-  const TipModel ideal(model, e, start, seed);
-  TipModel found = best_model(ideal, options);
+/// @param plain  without causes and frames
+FramedModel best_framed(const OperationalModel& model, const TipModel& plain, const SeenFrames& seen,
+                        const TipSelectOptions& options) {
+  const TipEvidence& e = plain.evidence();
+  const std::uint64_t seed = plain.seed();
+  const TipModel ideal = seen.needed.size() == 0 ? plain : TipModel(model, e, seen.needed, seed);
+  FramedModel best{best_model(ideal, options), {}};
+  TipModel& found = best.model;
   const TipModel known = found, bare = without_dimensions(found);
   std::optional<TipModel> not_turned;
   for (const UnknownFrames frames :
        {UnknownFrames{.target = true}, UnknownFrames{.base = true}, UnknownFrames{true, true}}) {
-    if (frames.size() <= start.size()) continue;
+    if (frames.size() <= seen.needed.size()) continue;
+    // A search that ends too early may begin better with a frame.
+    if (leaves_noise(known) && std::count(seen.needless.begin(), seen.needless.end(), frames) > 0) continue;
     // What moves the tracker has a mean, too.
     const bool in_time = std::any_of(known.terms().begin(), known.terms().end(),
                                      [](const TipTerm& t) { return t.of_record(); });
@@ -374,27 +402,40 @@ TipModel best_framed(const OperationalModel& model, const TipEvidence& e, Unknow
         !needs(frames, bare, options))
       continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
+    const double value = value_with_penalties(framed) - value_with_penalties(found);
+    best.trials.push_back(
+        {frames, framed.solution().log_likelihood - found.solution().log_likelihood, value});
     if (frames.base && !frames.target && !is_turned(framed, 0.01 * options.alpha)) {
       not_turned = std::move(framed);
       continue;
     }
-    if (!(value_with_penalties(framed) > value_with_penalties(found))) continue;
+    if (!(value > 0)) continue;
     // A displaced target beside a frame that is not turned is worth more than the frame alone, or is none.
     const bool alone = not_turned && value_with_penalties(*not_turned) >= value_with_penalties(framed);
     found = alone ? *not_turned : std::move(framed);
   }
-  return found;
+  return best;
 }
 
-/// Which frames a record needs is seen in some of its rows, if it is seen at all:
-UnknownFrames frames_of_some_rows(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
-                                  const TipSelectOptions& options) {
+/// Which frames a record needs is seen in some of its rows, if it is seen at all. Those that were tried there
+/// are needless where the likelihood of all rows, in proportion to that of these, would not be worth them.
+SeenFrames frames_of_some_rows(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
+                               const TipSelectOptions& options) {
   constexpr Eigen::Index enough = 600;
   if (e.rows() < 2 * enough) return {};
   std::vector<Eigen::Index> rows;
   for (Eigen::Index k = 0; k < e.rows(); k += e.rows() / enough) rows.push_back(k);
   const TipEvidence some = with_rows(e, rows);
-  return best_framed(model, some, {}, seed, options).frames();
+  const FramedModel best = best_framed(model, TipModel(model, some, {}, seed), {}, options);
+  const double more = static_cast<double>(e.rows()) / static_cast<double>(some.rows()) - 1;
+  SeenFrames seen{best.model.frames(), {}};
+  for (const FrameTrial& t : best.trials) {
+    if (t.frames.size() <= seen.needed.size()) continue;
+    // They are compared with each other, too.
+    if (t.value + more * t.log_likelihood > 0) return {seen.needed, {}};
+    seen.needless.push_back(t.frames);
+  }
+  return seen;
 }
 
 /// Sum of squares that a model leaves beside a constant displacement, which is no matter of time [m^2].
@@ -449,19 +490,20 @@ bool is_displaced(const TipModel& m) {
 
 TipModel best_tracked(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                       TipSelectOptions options) {
-  const Displacement alone = displacement_alone(TipModel(model, e, {}, seed), options);
+  const TipModel plain(model, e, {}, seed);
+  const Displacement alone = displacement_alone(plain, options);
   TipSelectOptions with_tracker = options;
   with_tracker.tracker = true;
   // Where a displacement leaves less than half, models without it are sought among those of few causes only:
   // many would imitate it.
   std::optional<TipModel> fresh;
   if (alone.step && alone.after < 0.5 * alone.before) {
-    fresh = best_framed(model, e, {}, seed, with_tracker);
+    fresh = best_framed(model, plain, {}, with_tracker).model;
     if (is_displaced(*fresh)) options.most_terms = fresh->terms().size() + 2;
   }
-  TipModel found = best_framed(model, e, frames_of_some_rows(model, e, seed, options), seed, options);
+  TipModel found = best_framed(model, plain, frames_of_some_rows(model, e, seed, options), options).model;
   if (!fresh && !may_be_displaced(found, alone, options)) return found;
-  if (!fresh) fresh = best_framed(model, e, {}, seed, with_tracker);
+  if (!fresh) fresh = best_framed(model, plain, {}, with_tracker).model;
   TipModel more = grown(found, with_tracker);
   for (TipModel* other : {&more, &*fresh})
     if (is_displaced(*other) && value_among_tracked(*other) > value_among_tracked(found))
