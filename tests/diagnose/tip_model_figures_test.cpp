@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnose/inference/tip/tip_select.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
 #include "simulate/sensing.hpp"
 #include "support/measured_tip.hpp"
 #include "support/posed_robot.hpp"
@@ -228,6 +229,32 @@ TEST(TipAlternatives, OfOneDirectionAreTheOthersWhereTheTargetIsUnknown) {
       return a.term == term && a.everywhere && a.other.kind == TipTerm::Kind::geometry &&
              a.other.where == 1 && std::abs(a.loss) < 1e-3;
     })) << term;
+}
+
+/// What a candidate gains is what its columns gain beyond those of the model, also of those that it nearly
+/// has.
+TEST(TipModel, GainOfColumnsIsThatOfWhatTheModelLeavesOfThem) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(6500 + seed);
+    const testing::Arm arm = testing::random_arm(dice, 3);
+    testing::Arm built = arm;
+    built.place[1].x() += 7e-4;
+    const std::vector<double> resolution(3, 1e-4);
+    const OperationalModel model = arm.model(resolution);
+    const testing::Record record =
+        seed % 2 == 0 ? testing::motion(dice, 3, 300) : testing::poses(dice, 3, 60);
+    const auto e = tip_evidence(model, {}, testing::log_of(dice, built, record, resolution, 2e-5), 1);
+    ASSERT_TRUE(e);
+    TipModel m(model, *e, {.base = seed % 3 == 0}, 4);
+    const std::vector<TipTerm> all = tip_terms(*e, m.estimate());
+    m.add(all[seed], Eigen::VectorXd::Zero(all[seed].size()));
+    m.fit();
+    for (const TipTerm& t : all) {
+      const Eigen::MatrixXd columns = m.columns(t);
+      const double gain = gain_of(m.solution(), m.beyond(columns));
+      EXPECT_NEAR(m.gain(columns), gain, 1e-6 * (1 + gain)) << seed << ' ' << t.term.effect.type;
+    }
+  }
 }
 
 }  // namespace
