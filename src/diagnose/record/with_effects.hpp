@@ -46,7 +46,7 @@ class PathAsRead {
 
 /// Whether one term displaces the position on which another depends, as the signal path has it: clock, link
 /// and play that of all behind them, a wrong ratio that of disc and lines; everything before the disc is
-/// multiplied by the ratio.
+/// multiplied by the ratio. A shape without a name is one of the position as it is read, behind all of these.
 bool displaces(const Term&, const Term& other);
 
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
