@@ -75,6 +75,7 @@ std::vector<Eigen::VectorXd> improved(const Evidence& e, const std::vector<Eigen
   Eigen::MatrixXd all = Eigen::MatrixXd::Ones(e.rows(), count);
   Eigen::Index first = e.encoder.zero_known ? 0 : 1;
   for (const Eigen::ArrayXXd& c : columns) {
+    if (c.cols() == 0) continue;
     all.middleCols(first, c.cols()) = c.matrix();
     first += c.cols();
   }
