@@ -156,6 +156,32 @@ TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
   }
 }
 
+/// An encoder behind a play lags the joint: the gap is a width, on the load's side.
+TEST(DiagnoseTip, PlayBeforeTheEncoderHasAWidthAndItsSide) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Dice dice(7650 + seed);
+    const std::size_t joints = 2 + dice.below(2), at = dice.below(joints);
+    const auto j = static_cast<Eigen::Index>(at);
+    const double step = 6.2831853 / std::exp2(14), gap = dice.between(8, 16) * step;
+    const Arm arm = random_arm(dice, joints);
+    Record r = motion(dice, joints, 2000);
+    double read = r.joints(j, 0);
+    for (Eigen::Index k = 0; k < 2000; ++k) {
+      read = std::clamp(read, r.joints(j, k) - 0.5 * gap, r.joints(j, k) + 0.5 * gap);
+      r.additions(j, k) = read - r.joints(j, k);
+    }
+    const std::vector<double> resolution(joints, step);
+    const Diagnosis d = judge(arm.model(resolution), log_of(dice, arm, r, resolution, 1e-5));
+    ASSERT_TRUE(finds(d, "backlash", "j" + std::to_string(at + 1))) << seed << ": " << summary(d);
+    const Effect& found = d.causes[0].effect;
+    EXPECT_EQ(found.choices.at("side"), "load") << seed;
+    EXPECT_NEAR(found.number("gap"), gap, 0.05 * gap) << seed;
+    for (const AlternativeCause& a : d.alternatives) {
+      EXPECT_NE(a.effect, "backlash") << seed;
+    }
+  }
+}
+
 // Stamps of a tracker that are several rows too early or late: to first order in the delay the arm would keep
 // errors of many counts, and each joint would have a delay of its own.
 TEST(DiagnoseTip, StampsOfATrackerHaveOneDelay) {

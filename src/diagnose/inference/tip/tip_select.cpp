@@ -118,8 +118,10 @@ namespace {
 constexpr int most_tip_fits = 6;
 
 /// Whether a machine can have an error of this size: no dimension is wrong by more than the arm's reach, and
-/// no zero by more than half a turn. Beside a joint that rests only a difference of such errors shows.
+/// no zero by more than half a turn; a play has a width, whichever side the encoder is on. Beside a joint
+/// that rests only a difference of such errors shows.
 bool is_possible(const TipModel& m, const TipTerm& t, const Eigen::VectorXd& coefficients) {
+  if ((t.term.hysteresis || t.term.of_reference) && coefficients[0] < 0) return false;
   const Eigen::MatrixXd& tip = m.evidence().tip;
   double reach = m.nominal().tip_offset.translation().norm() +
                  (tip.rowwise().maxCoeff() - tip.rowwise().minCoeff()).norm();
@@ -597,11 +599,12 @@ void find_tip_alternatives(const OperationalModel& model, TipSelection& s) {
         if (gain_of(at_weights, m.beyond(of_others, columns[o])) < own - correlated * (2 * as_good + 20))
           continue;
         const TipSolution swapped = m.trial({i}, columns[o]);
+        const Eigen::VectorXd theta = swapped.theta.tail(columns[o].cols());
+        if (!is_possible(m, other, theta)) continue;
         const double loss = (m.solution().log_likelihood - swapped.log_likelihood) / correlated +
                             price(m, columns[o].cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
                             penalty(m, m.terms()[i]);
         if (loss < -better_by && round < 7) {
-          const Eigen::VectorXd theta = swapped.theta.tail(columns[o].cols());
           m.exchange(i, other, theta);
           m.fit();
           exchanged = true;
