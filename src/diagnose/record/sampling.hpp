@@ -33,7 +33,7 @@ struct Sampling {
   /// Averages over the groups of a column over the rows of the record.
   Eigen::ArrayXd averaged(const Eigen::ArrayXd& column) const;
 
-  /// Those of what is computed at each row of a group.
+  /// Averages over the groups of a value that `of_row` computes at each row.
   template <class OfRow>
   Eigen::ArrayXd averaged_rows(OfRow of_row) const {
     Eigen::ArrayXd out = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(groups.size()));

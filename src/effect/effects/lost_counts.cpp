@@ -87,7 +87,7 @@ class LossScan {
   };
   using Motions = std::vector<Motion>;
 
-  /// The fastest first; of each its own way is given.
+  /// Sorts motions, whose ways are their own, from the fastest, and adds the ways up.
   static void add_up(Motions::iterator first, Motions::iterator end) {
     std::sort(first, end, [](const Motion& a, const Motion& b) { return a.speed > b.speed; });
     for (double way = 0; first != end; ++first) way += first->way, first->way = way;

@@ -35,7 +35,7 @@ Eigen::ArrayXd encoder_reference(const Sanity&, std::size_t encoder);
 Eigen::ArrayXd reference_in_counts(const Sanity&, std::size_t encoder);
 bool has_reference(const Sanity&, std::size_t encoder);
 
-/// Rows, evenly spaced, of which a long record has enough for a slope.
+/// Evenly spaced rows of a long column, enough for a slope or a standard deviation; all of a short one.
 Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>&);
 
 /// Standard deviation of a joint's quantization error, from all encoders that determine it [rad or m].

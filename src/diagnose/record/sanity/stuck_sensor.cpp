@@ -153,7 +153,7 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
   }
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   if (column && reference.size() > 0 && travel >= missed_motion) {
-    // What differs in some rows differs.
+    // Columns that differ in some rows are no copies: most records end here.
     if (standard_deviation(some_rows(read->counts) - some_rows(reference) / resolution) >= copied) return;
     const double differs = standard_deviation(read->counts - reference / resolution);
     if (differs >= copied) return;
