@@ -11,13 +11,17 @@
 
 namespace qerr {
 
-bool displaces(const Term& t, const Term& other) {
+bool displaces(const Term& t) {
   if (!t.named() || t.constant) return false;
+  const EffectKind& kind = effect_kind(t.effect.type);
+  return kind.stage < Stage::gear || kind.first_in_stage;
+}
+
+bool displaces(const Term& t, const Term& other) {
+  if (!other.named() || !t.named() || t.constant) return displaces(t);
   const EffectKind &kind = effect_kind(t.effect.type), &next = effect_kind(other.effect.type);
-  const bool before_others = kind.stage < Stage::gear || kind.first_in_stage;
-  if (!other.named()) return before_others;
   if (next.stage == Stage::disc && next.first_in_stage) return kind.stage < next.stage;
-  return before_others && kind.stage <= next.stage;
+  return displaces(t) && kind.stage <= next.stage;
 }
 
 namespace {

@@ -48,6 +48,8 @@ class PathAsRead {
 /// and play that of all behind them, a wrong ratio that of disc and lines; everything before the disc is
 /// multiplied by the ratio. A shape without a name is one of the position as it is read, behind all of these.
 bool displaces(const Term&, const Term& other);
+/// Whether it displaces the position of others than the ratio.
+bool displaces(const Term&);
 
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
 /// add.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/statistics.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "diagnose/search/error_model.hpp"
 #include "diagnose/search/residual_scan.hpp"
 #include "diagnose/search/term_choice.hpp"
@@ -28,13 +29,6 @@ constexpr double material_part = 0.012;
 /// The smallest part for a table or polynomial, which follows a curve that is not its own only coarsely, and
 /// of any uncatalogued term of a model that does not explain everything.
 constexpr double material_part_of_table = 0.2;
-
-/// Whether a term displaces the position on which the errors of gear teeth and disc depend.
-bool acts_before_teeth(const Term& t) {
-  if (!t.named() || t.constant) return false;
-  const EffectKind& kind = effect_kind(t.effect.type);
-  return kind.stage < Stage::gear || kind.first_in_stage;
-}
 
 /// At rest only a constant error is visible: one that rounding and noise do not have. It is a name.
 FoundCauses at_rest(const Evidence& record, bool with_names) {
@@ -135,7 +129,7 @@ class CauseSearch {
     std::vector<Addition> now;
     Eigen::ArrayXd change = Eigen::ArrayXd::Zero(samples_.size());
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
-      if (acts_before_teeth(term(i))) now.push_back({term(i), added(i)});
+      if (displaces(term(i))) now.push_back({term(i), added(i)});
     for (const Addition& a : now) change += a.added;
     for (const Addition& a : displacing_) change -= a.added;
     const bool changed = change.abs().maxCoeff() > 2 * record_.step();

@@ -131,8 +131,8 @@ struct TipTerm {
 /// What the delay of an encoder adds to its reading at a row, by the path [rad or m].
 double added_by_delay(const TipEvidence&, std::size_t encoder, Eigen::Index row, double delay);
 
-/// The slope of `added_by_delay` by the delay: encoders x rows [rad/s or m/s]. Empty without an order of the
-/// rows, of which no clock is judged.
+/// The slope of `added_by_delay` by the delay: encoders x rows [rad/s or m/s]. Empty for rows without
+/// an order in time: no clock is judged from them.
 Eigen::MatrixXd slopes_by_delay(const TipEvidence&, const Eigen::MatrixXd& delay);
 
 /// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference; errors of

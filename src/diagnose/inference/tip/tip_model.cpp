@@ -155,7 +155,8 @@ Eigen::MatrixXd TipModel::beyond(const Projection& p, const Eigen::MatrixXd& col
 }
 
 double TipModel::gain(const Eigen::MatrixXd& columns) const {
-  // Of a column's square: of less, which other columns leave, the difference of squares has too few digits.
+  // Where other columns leave a smaller part of a column's square, the difference of squares has too few
+  // digits.
   constexpr double plain = 1e-3;
   const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * columns;
   Eigen::MatrixXd information = columns.transpose() * weighted;
