@@ -6,13 +6,24 @@
 
 namespace qerr {
 
+namespace {
+
+int place_in_stage(const EffectKind& kind) { return kind.first_in_stage ? 0 : is_periodic(kind) ? 1 : 2; }
+
+}  // namespace
+
+bool acts_before(const EffectKind& a, const EffectKind& b) {
+  return a.stage != b.stage ? a.stage < b.stage : place_in_stage(a) < place_in_stage(b);
+}
+
 void ActionPath::add(const EffectKind& kind, Action action) {
-  const auto sums = [&](const Step& s) { return is_periodic(*s.kind) && s.kind->stage == kind.stage; };
-  const auto sum = is_periodic(kind) ? std::ranges::find_if(steps_, sums) : steps_.end();
-  if (sum != steps_.end())
-    sum->actions.push_back(std::move(action));
+  const auto next = std::ranges::upper_bound(steps_, kind, acts_before,
+                                             [](const Step& s) -> const EffectKind& { return *s.kind; });
+  if (is_periodic(kind) && next != steps_.begin() && is_periodic(*std::prev(next)->kind) &&
+      std::prev(next)->kind->stage == kind.stage)
+    std::prev(next)->actions.push_back(std::move(action));
   else
-    steps_.push_back({&kind, {std::move(action)}});
+    steps_.insert(next, {&kind, {std::move(action)}});
 }
 
 double ActionPath::operator()(double signal, const Moment& m) const {

@@ -48,31 +48,28 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
   for (const Effect& effect : effects)
     if (const auto modify = effect_kind(effect.type).modify_encoder)
       modify(transmission_.encoders[independent_index(model.chain, effect.joint)]);
-  // By stage, and within a stage in the order of the spec.
-  for (int stage = 0; stage < static_cast<int>(Stage::kinematics); ++stage) {
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-      const EffectKind& kind = effect_kind(effects[i].type);
-      if (static_cast<int>(kind.stage) != stage) continue;
-      const std::size_t joint = independent_index(model.chain, effects[i].joint);
-      Actions& a = actions_[joint];
-      if (!rounds_ && kind.random()) {
-        if (kind.stage == Stage::comparator)
-          a.decoder.noise = std::hypot(a.decoder.noise,
-                                       effects[i].number("sigma") / transmission_.encoders[joint].resolution);
-        continue;
-      }
-      Action action = kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i);
-      if (kind.stage == Stage::decoder) {
-        a.decoder.actions.push_back(std::move(action));
-        continue;
-      }
-      ActionPath& list = kind.stage == Stage::clock                               ? a.clock
-                         : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
-                         : kind.stage == Stage::log                               ? a.log
-                         : kind.stage == Stage::reference                         ? a.reference
-                                                                                  : a.encoder;
-      list.add(kind, std::move(action));
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    const EffectKind& kind = effect_kind(effects[i].type);
+    if (kind.stage == Stage::kinematics) continue;
+    const std::size_t joint = independent_index(model.chain, effects[i].joint);
+    Actions& a = actions_[joint];
+    if (!rounds_ && kind.random()) {
+      if (kind.stage == Stage::comparator)
+        a.decoder.noise = std::hypot(a.decoder.noise,
+                                     effects[i].number("sigma") / transmission_.encoders[joint].resolution);
+      continue;
     }
+    Action action = kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i);
+    if (kind.stage == Stage::decoder) {
+      a.decoder.actions.push_back(std::move(action));
+      continue;
+    }
+    ActionPath& list = kind.stage == Stage::clock                               ? a.clock
+                       : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
+                       : kind.stage == Stage::log                               ? a.log
+                       : kind.stage == Stage::reference                         ? a.reference
+                                                                                : a.encoder;
+    list.add(kind, std::move(action));
   }
   shaft_differs_ =
       std::ranges::any_of(actions_, [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });

@@ -139,7 +139,7 @@ void expect_scatter(const RecordFigures& figure, const Evidence& e, const Explan
     figure("largest displacement", s.pattern.largest());
     figure("alternating", s.pattern.alternating);
     figure("alternating error", s.pattern.alternating_error);
-    const Intervals moved = displaced(m.intervals(), e, s.pattern);
+    const Intervals moved = displaced(e, m, s.pattern);
     figure("lower edges", std::sqrt((moved.lower * ramp).square().mean()));
     figure("upper edges", std::sqrt((moved.upper * ramp).square().mean()));
   }

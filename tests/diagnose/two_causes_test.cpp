@@ -58,5 +58,40 @@ TEST(TwoCauses, IntervalsOfADriftHoldItsTimeConstant) {
   EXPECT_GE(inside, records - 1);
 }
 
+/// The joint's angle has no play: its periodic error is not displaced by one, as that of the disc would be.
+TEST(TwoCauses, APeriodicErrorOfTheJointIsExactBesideItsPlay) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Machine m = swinging(seed);
+    const double gap = 0.05, amplitude = 0.04;
+    Column read = m.path + amplitude * (3 * m.path + 1).sin();
+    for (Eigen::Index k = 1; k < m.rows; ++k) read[k] += m.path[k] > m.path[k - 1] ? gap / 2 : -gap / 2;
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(read)));
+    const auto found = found_by(d);
+    ASSERT_TRUE(found.contains("backlash gap") && found.contains("transmission_error amplitude")) << seed;
+    EXPECT_NEAR(found.at("backlash gap").value, gap, 2e-3 * gap) << seed;
+    EXPECT_NEAR(found.at("transmission_error amplitude").value, amplitude, 2e-3 * amplitude) << seed;
+    EXPECT_LT(d.gain.rms_after, 0.32 * m.resolution) << seed;
+  }
+}
+
+/// Behind a loss of an odd number of counts the disc's edges are where they were.
+TEST(TwoCauses, ALossOfCountsDoesNotHideUnequalStates) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Machine m = swinging(seed);
+    m.resolution = 2e-3, m.noise = 0.02 * m.resolution;
+    const double shift = 0.3;  // of every second edge [counts]
+    const Column read = m.path.unaryExpr([&](double x) {
+      const double below = std::floor(x / m.resolution + 0.5);  // edges at k - 1/2, the odd ones later
+      return std::fmod(below, 2) != 0 && x / m.resolution + 0.5 - below < shift ? below - 1 : below;
+    });
+    const Column losing = read - 23 * (m.time > 6.4).cast<double>();
+    OperationalModel model = model_of(m);
+    model.transmission.encoders[0].counts_per_period = 4;
+    const auto found = found_by(diagnose(model, {}, {}, log_of(m, losing)));
+    ASSERT_TRUE(found.contains("state_width phase")) << seed;
+    EXPECT_NEAR(found.at("state_width phase").value, shift * std::numbers::pi / 2, 0.1) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace qerr

@@ -130,8 +130,6 @@ TEST(Effects, EccentricityIsThatOfADisplacedDisc) {
   }
 }
 
-/// Quadrature of two channels: A has edges at multiples of half a line, B a quarter of a line later plus the
-/// phase error; every edge is counted.
 /// They are a Fourier series of the angle of one shaft.
 TEST(Effects, OrdersOfAGearAdd) {
   const std::vector<Effect> orders{{"transmission_error", "elbow", {{"amplitude", 3e-3}, {"order", 2}}, {}},
@@ -144,6 +142,24 @@ TEST(Effects, OrdersOfAGearAdd) {
   }
 }
 
+TEST(Effects, TheOrderOfTheEntriesDoesNotMatter) {
+  const double scale = 0.01, offset = 0.2, amplitude = 3e-3;
+  std::vector<Effect> effects{{"offset", "elbow", {{"offset", offset}}, {}},
+                              {"scale", "elbow", {{"scale", scale}}, {}},
+                              {"eccentricity", "elbow", {{"amplitude", amplitude}, {"order", 1}}, {}}};
+  std::ranges::sort(effects, {}, &Effect::type);
+  do {
+    const Readings r = record(effects);
+    for (std::size_t k = 0; k < r.time.size(); k += 7) {
+      const double disc = (1 + scale) * r.truth[k];
+      const double reading = disc + amplitude * std::sin(20 * disc) + offset;
+      EXPECT_LE(std::abs(r.measured[k] - reading), 0.5 * delta * (1 + 1e-9));
+    }
+  } while (std::ranges::next_permutation(effects, {}, &Effect::type).found);
+}
+
+/// Quadrature of two channels: A has edges at multiples of half a line, B a quarter of a line later plus the
+/// phase error; every edge is counted.
 TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
   const double phase = 0.6, line = 4 * delta, shift = phase / (2 * pi) * line;
   OperationalModel down = one_joint();

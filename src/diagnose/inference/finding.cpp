@@ -9,6 +9,7 @@
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "effect/effects/effects.hpp"
+#include "effect/effects/periodic.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/chain.hpp"
 
@@ -197,6 +198,16 @@ double displaced_edges(const Scatter& s) {
   return size;
 }
 
+/// The mean error that displaced edges have, where no constant of the model is it [rad or m].
+double mean_of_edges(const Evidence& e, const Explanation& m, const Scatter& s) {
+  if (!e.encoder.zero_known || std::ranges::any_of(m.terms(), &Term::constant)) return 0;
+  double mean = 0;
+  for (const ScatterCause& c : s.causes)
+    if (const EffectKind& kind = effect_kind(c.effect.type); !kind.random() && kind.share)
+      mean += kind.share(c.effect, e.encoder, {})->mean;
+  return mean;
+}
+
 /// @returns whether there was any
 bool drop_small_orders(FoundCauses& found, double size) {
   bool any = false;
@@ -242,6 +253,28 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
   return std::nullopt;
 }
 
+/// The causes with periodic errors of the joint in the place of the disc's, where their simulation leaves
+/// less: at ratio 1 both turn alike, but for what displaces the disc.
+std::optional<FoundCauses> with_joint_shafts(const Sampling& sampling, FoundCauses found,
+                                             const Explanation& model) {
+  if (sampling.evidence.encoder.shaft_ratio != 1) return std::nullopt;
+  bool any = false;
+  for (std::size_t i = 0; i < found.chosen.size(); ++i) {
+    const Term& t = model.terms()[i];
+    if (!t.named() || !is_periodic(effect_kind(t.effect.type)) || refers_to_joint(t.effect)) continue;
+    any = any || std::ranges::any_of(model.terms(), [&](const Term& by) { return displaces(by, t); });
+    found.chosen[i].candidate.over = [of_disc = found.chosen[i].candidate.over](const Sampling& s) {
+      Term of_joint = of_disc(s);
+      of_joint.effect.choices["shaft"] = "joint";
+      return of_joint;
+    };
+  }
+  if (!any || !(left_by_simulation(sampling, selection_of(sampling, found).model) <
+                left_by_simulation(sampling, model)))
+    return std::nullopt;
+  return found;
+}
+
 /// Those groups of rows that the clocks found read within the record.
 std::vector<RowGroup> rows_within(const Evidence& record, const FoundCauses& found,
                                   std::vector<RowGroup> all) {
@@ -275,6 +308,11 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   // Each round has one term less.
   const auto fit_by_simulation = [&] {
     if (is_reproduced(*f->sampling, f->selection->model)) return;
+    if (auto other = with_joint_shafts(*f->sampling, found, f->selection->model)) {
+      found = std::move(*other);
+      select();
+      if (is_reproduced(*f->sampling, f->selection->model)) return;
+    }
     while (has_names(found)) {
       Explanation fitted = simulated_fit(*f->sampling, f->selection->model);
       auto needless = needless_term(fitted);
@@ -308,6 +346,12 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   if (const double displaced = displaced_edges(f->scatter); drop_small_orders(found, 0.5 * displaced)) {
     select();
     fit_by_simulation();
+    f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
+  }
+  // A curve that begins at zero, such as a drift, would bend to hold the mean of displaced edges.
+  if (const double mean = mean_of_edges(f->evidence(), f->selection->model, f->scatter); mean != 0) {
+    f->sampling->evidence.path += mean;
+    select();
     f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   }
   const Explanation& m = f->selection->model;

@@ -19,16 +19,31 @@ constexpr Eigen::Index blocks = 32, patterns = 3, fewest_rows = 16;  // per bloc
 
 std::size_t state_of(double edge) { return static_cast<std::size_t>(edge - 4 * std::floor(edge / 4)); }
 
-/// Displacements of the four edges from their mean, by the readings [first, end). NaN: an edge has no
+/// Counts that a model says the decoder has added, in whole ones: behind a loss the disc's edges have other
+/// numbers.
+Eigen::ArrayXd added_by_decoder(const Evidence& e, const Explanation& m) {
+  Eigen::ArrayXd counts = Eigen::ArrayXd::Zero(e.rows());
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (const Term& t = m.terms()[i]; t.named() && effect_kind(t.effect.type).stage == Stage::decoder)
+      counts += (addition(t, m.coefficients(i)) / e.step()).round();
+  return counts;
+}
+
+/// The disc's states, by number, that the readings show.
+Eigen::ArrayXd states_of_disc(const Evidence& e, const Explanation& m) {
+  return (e.measured / e.step()).round() - added_by_decoder(e, m);
+}
+
+/// Displacements of the four edges from their mean, by the states [first, end). NaN: an edge has no
 /// readings.
-Eigen::Vector4d displacements(const Evidence& e, const Eigen::ArrayXd& position, Eigen::Index first,
-                              Eigen::Index end) {
+Eigen::Vector4d displacements(const Eigen::ArrayXd& states, const Eigen::ArrayXd& position,
+                              Eigen::Index first, Eigen::Index end) {
   Eigen::Vector4d wrong = Eigen::Vector4d::Zero(), all = Eigen::Vector4d::Zero();
   for (Eigen::Index i = first; i < end; ++i) {
-    const double reading = std::round(e.measured[i] / e.step()), edge = std::round(position[i]);
-    if (reading != edge && reading != edge - 1) continue;
+    const double state = states[i], edge = std::round(position[i]);
+    if (state != edge && state != edge - 1) continue;
     const std::size_t k = state_of(edge);
-    const bool above = reading == edge, expected = position[i] >= edge;
+    const bool above = state == edge, expected = position[i] >= edge;
     wrong[static_cast<Eigen::Index>(k)] += static_cast<double>(expected) - static_cast<double>(above);
     all[static_cast<Eigen::Index>(k)] += 1;
   }
@@ -50,12 +65,14 @@ EdgePattern edge_pattern(const Evidence& e, const Explanation& m) {
   // A reference that is coarser than a count has a pattern of its own over the counts.
   if (!e.counted || e.path_noise > e.step() || n < blocks * fewest_rows) return p;
   // In counts, with the edges at whole numbers: edge k at the position k.
-  const Eigen::ArrayXd position = (e.path + m.addition()) / e.step() + below_reading(e.encoder);
+  const Eigen::ArrayXd position =
+      (e.path + m.addition()) / e.step() + below_reading(e.encoder) - added_by_decoder(e, m);
+  const Eigen::ArrayXd states = states_of_disc(e, m);
   Eigen::MatrixXd contrasts(blocks, patterns);
   Eigen::Matrix<double, patterns, 4> basis;
   basis << -0.5, 0.5, -0.5, 0.5, 1, 0, -1, 0, 0, 1, 0, -1;
   for (Eigen::Index b = 0; b < blocks; ++b)
-    contrasts.row(b) = basis * displacements(e, position, b * n / blocks, (b + 1) * n / blocks);
+    contrasts.row(b) = basis * displacements(states, position, b * n / blocks, (b + 1) * n / blocks);
   if (!contrasts.allFinite()) return p;
   const Eigen::RowVectorXd mean = contrasts.colwise().mean();
   const Eigen::MatrixXd about = contrasts.rowwise() - mean;
@@ -64,18 +81,19 @@ EdgePattern edge_pattern(const Evidence& e, const Explanation& m) {
   covariance.diagonal().array() += 1e-12;
   const double t_squared = mean * solve_symmetric(covariance, mean.transpose());
   p.p_value = fisher_f_tail(t_squared * (b - d) / (d * (b - 1)), d, b - d);
-  const Eigen::Vector4d all = displacements(e, position, 0, n);
+  const Eigen::Vector4d all = displacements(states, position, 0, n);
   for (std::size_t k = 0; k < 4; ++k) p.displacement[k] = all[static_cast<Eigen::Index>(k)];
   p.alternating = basis.row(0) * all;
   p.alternating_error = std::sqrt(covariance(0, 0));
   return p;
 }
 
-Intervals displaced(Intervals intervals, const Evidence& e, const EdgePattern& p) {
+Intervals displaced(const Evidence& e, const Explanation& m, const EdgePattern& p) {
+  Intervals intervals = m.intervals();
+  const Eigen::ArrayXd states = states_of_disc(e, m);
   for (Eigen::Index i = 0; i < e.rows(); ++i) {
-    const double reading = std::round(e.measured[i] / e.step());
-    intervals.lower[i] += p.displacement[state_of(reading)] * e.step();
-    intervals.upper[i] += p.displacement[state_of(reading + 1)] * e.step();
+    intervals.lower[i] += p.displacement[state_of(states[i])] * e.step();
+    intervals.upper[i] += p.displacement[state_of(states[i] + 1)] * e.step();
   }
   return intervals;
 }
@@ -279,7 +297,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   if (s.pattern.p_value < significant && s.pattern.largest() > displacement_worth_naming)
     if (auto cause = displaced_edges(e, s.pattern)) {
       s.expected += cause->rms * cause->rms;
-      intervals = displaced(std::move(intervals), e, s.pattern);
+      intervals = displaced(e, m, s.pattern);
       if (std::abs(s.pattern.alternating) > displacement_worth_naming) s.causes.push_back(std::move(*cause));
     }
   const bool white = !e.ordered || lag_one_correlation(m.likelihood().score) < correlated_residual;

@@ -29,8 +29,8 @@ struct EdgePattern {
 /// @returns no pattern if the readings are no counts, or if there are too few
 EdgePattern edge_pattern(const Evidence&, const Explanation&);
 
-/// The intervals of readings between displaced edges.
-Intervals displaced(Intervals, const Evidence&, const EdgePattern&);
+/// A model's intervals, of readings between displaced edges.
+Intervals displaced(const Evidence&, const Explanation&, const EdgePattern&);
 
 inline constexpr double scatter_beyond_reference = 1.3;  ///< times the noise that remains in the path
 inline constexpr double scatter_worth_naming = 0.12;     ///< [counts]

@@ -5,6 +5,7 @@
 
 #include "diagnose/record/sampling.hpp"
 #include "diagnose/record/smooth_path.hpp"
+#include "effect/action_path.hpp"
 #include "effect/effects/effects.hpp"
 #include "effect/effects/periodic.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -20,6 +21,7 @@ bool displaces(const Term& t) {
 bool displaces(const Term& t, const Term& other) {
   if (!other.named() || !t.named() || t.constant) return displaces(t);
   const EffectKind &kind = effect_kind(t.effect.type), &next = effect_kind(other.effect.type);
+  if (is_periodic(next) && refers_to_joint(other.effect)) return kind.stage == Stage::clock;
   if (next.stage == Stage::disc && next.first_in_stage) return kind.stage < next.stage;
   return displaces(t) && kind.stage <= next.stage;
 }
@@ -76,8 +78,7 @@ struct SignalPath {
     }
   }
 
-  /// Effects of some stages, in their order; the sines of a stage where the first of them is, as ActionPath
-  /// has them.
+  /// Effects of some stages, in the order in which ActionPath has them.
   void pass(const std::vector<Effect>& effects, Stage first, Stage last) {
     for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage) {
       std::vector<const Effect*> here;
@@ -86,8 +87,9 @@ struct SignalPath {
         if (effect.joint != e.joint || static_cast<int>(own) != stage || is_random(effect)) continue;
         if (e.ordered || own != Stage::clock) here.push_back(&effect);
       }
-      const auto is_sine = [](const Effect* effect) { return is_periodic(effect_kind(effect->type)); };
-      std::stable_partition(std::find_if(here.begin(), here.end(), is_sine), here.end(), is_sine);
+      std::ranges::stable_sort(here, acts_before, [](const Effect* effect) -> const EffectKind& {
+        return effect_kind(effect->type);
+      });
       before_sines.resize(0);
       for (const Effect* effect : here) act(*effect);
     }

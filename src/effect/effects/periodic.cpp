@@ -31,14 +31,10 @@ Parameter periodic_shaft() {
           .choices = "encoder|joint"};
 }
 
-namespace {
-
 bool refers_to_joint(const Effect& e) {
   const auto shaft = e.choices.find("shaft");
   return shaft != e.choices.end() && shaft->second == "joint";
 }
-
-}  // namespace
 
 double wave_number(const Effect& e, const Encoder& encoder) {
   return e.number_or("order", 0) * (refers_to_joint(e) ? 1 : encoder.shaft_ratio);

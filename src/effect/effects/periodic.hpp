@@ -16,6 +16,8 @@ Parameter periodic_shaft();
 Action periodic_action(const Effect&, const Encoder&, std::uint64_t seed);
 /// Whether it is a sine of its shaft's angle.
 bool is_periodic(const EffectKind&);
+/// Whether a periodic error's angle is the joint's, which nothing behind the clock displaces.
+bool refers_to_joint(const Effect&);
 std::optional<Share> periodic_share(const Effect&, const Encoder&, const Usage&);
 
 /// Amplitude and phase of c0 sin(angle) + c1 cos(angle).

@@ -54,11 +54,7 @@ Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
   return grid;
 }
 
-/// The actions of effects in the order of the signal's stages.
-ActionPath actions(std::vector<Effect> effects, const Encoder& encoder) {
-  std::ranges::stable_sort(effects, [](const Effect& a, const Effect& b) {
-    return effect_kind(a.type).stage < effect_kind(b.type).stage;
-  });
+ActionPath actions(const std::vector<Effect>& effects, const Encoder& encoder) {
   ActionPath all;
   for (const Effect& effect : effects) {
     const EffectKind& kind = effect_kind(effect.type);

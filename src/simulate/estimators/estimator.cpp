@@ -10,11 +10,10 @@ namespace qerr {
 ActionPath disc_actions(const std::vector<Effect>& effects, const Encoder& encoder,
                         const std::string& joint) {
   ActionPath actions;
-  for (const Stage stage : {Stage::disc, Stage::line})
-    for (const Effect& e : effects)
-      if (const EffectKind& kind = effect_kind(e.type);
-          e.joint == joint && kind.stage == stage && kind.action)
-        actions.add(kind, kind.action(e, encoder, 0));
+  for (const Effect& e : effects)
+    if (const EffectKind& kind = effect_kind(e.type);
+        e.joint == joint && (kind.stage == Stage::disc || kind.stage == Stage::line) && kind.action)
+      actions.add(kind, kind.action(e, encoder, 0));
   return actions;
 }
 

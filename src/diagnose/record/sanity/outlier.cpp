@@ -98,17 +98,29 @@ std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::Arra
   return rows;
 }
 
-/// Motion from row to row beside rows at an end of the record, three times: it may accelerate. 0 elsewhere.
-///
-/// A reading that stays behind by no more, as before a play is taken up or a drive breaks loose, may be true.
-double motion_at_end(const Eigen::ArrayXd& motion, Eigen::Index first, Eigen::Index end) {
+/// Difference of the mean errors of both directions of motion, as a play makes it; 0 of one direction.
+double hysteresis(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
+  Eigen::Array2d sums = Eigen::Array2d::Zero(), rows = sums;
+  for (Eigen::Index k = 1; k < error.size(); ++k) {
+    if (motion[k] == motion[k - 1]) continue;
+    const Eigen::Index side = motion[k] > motion[k - 1] ? 1 : 0;
+    sums[side] += error[k];
+    ++rows[side];
+  }
+  return (rows > 0).all() ? std::abs(sums[1] / rows[1] - sums[0] / rows[0]) : 0;
+}
+
+/// What a reading at an end of the record may stay behind, as before a play is taken up or a drive breaks
+/// loose: motion from row to row beside it, three times, as it may accelerate, and the play. 0 elsewhere.
+double lag_at_end(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion, Eigen::Index first,
+                  Eigen::Index end) {
   const Eigen::Index n = motion.size();
   if (first > 0 && end < n) return 0;
   const Eigen::Index from = first > 0 ? first - half : end;
   double step = 0;
   for (Eigen::Index k = std::max<Eigen::Index>(from, 0); k + 1 < std::min(from + half, n); ++k)
     step = std::max(step, std::abs(motion[k + 1] - motion[k]));
-  return 3 * step;
+  return std::max(3 * step, hysteresis(error, motion));
 }
 
 /// Whether rows first .. end - 1 are off and the two on either side agree: else the error itself moves fast,
@@ -123,7 +135,7 @@ bool stand_alone(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion, Eige
   const auto [low, high] = std::minmax_element(around.begin(), around.end());
   const double middle = 0.5 * (*low + *high);
   return (error.segment(first, end - first) - middle).abs().minCoeff() >
-         std::max(3 * (*high - *low), motion_at_end(motion, first, end));
+         std::max(3 * (*high - *low), lag_at_end(error, motion, first, end));
 }
 
 /// Of the rows that are far off, those that stand alone.
