@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/statistics.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -34,6 +35,11 @@ bool RecordSignals::readings_drive(double gap) const {
   if (coupled() || measured.size() != rows() || !(gap > counts * step())) return false;
   constexpr double half = 0.5;  // between two directions, of -1 and 1
   return turns(measured, quiet * step()) <= 2 * turns(direction, half) + 4;
+}
+
+Eigen::ArrayXd RecordSignals::drive() const {
+  const double ratio = fit_line(path, measured).slope;
+  return ratio > 0 ? (measured / ratio).eval() : measured;
 }
 
 Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {

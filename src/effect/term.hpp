@@ -45,6 +45,9 @@ struct RecordSignals {
   /// Whether the readings tell where the drive of a play of this width is: it has three counts or more, and
   /// they turn round hardly more often than the joint. Readings that noise turns round do not.
   bool readings_drive(double gap) const;
+  /// What the readings say of the drive of a play, in the measure of the joint: without their ratio to the
+  /// path, or a play of many rows would not be crossed where the joint has hardly moved.
+  Eigen::ArrayXd drive() const;
 };
 
 /// A candidate cause of an encoder's error in a regression: its regressors, and the map from their

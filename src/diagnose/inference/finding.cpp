@@ -8,6 +8,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "effect/action_path.hpp"
 #include "effect/effects/effects.hpp"
 #include "effect/effects/periodic.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -261,8 +262,12 @@ std::optional<FoundCauses> with_joint_shafts(const Sampling& sampling, FoundCaus
   bool any = false;
   for (std::size_t i = 0; i < found.chosen.size(); ++i) {
     const Term& t = model.terms()[i];
-    if (!t.named() || !is_periodic(effect_kind(t.effect.type)) || refers_to_joint(t.effect)) continue;
-    any = any || std::ranges::any_of(model.terms(), [&](const Term& by) { return displaces(by, t); });
+    if (!t.named() || refers_to_joint(t.effect)) continue;
+    const EffectKind& kind = effect_kind(t.effect.type);
+    if (!is_periodic(kind)) continue;
+    any = any || std::ranges::any_of(model.terms(), [&](const Term& by) {
+            return by.named() && acts_before(effect_kind(by.effect.type), kind);
+          });
     found.chosen[i].candidate.over = [of_disc = found.chosen[i].candidate.over](const Sampling& s) {
       Term of_joint = of_disc(s);
       of_joint.effect.choices["shaft"] = "joint";

@@ -99,7 +99,7 @@ EffectKind backlash_effect() {
       .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
         const double gap = e.number("gap");
         if (lags(e)) return {};
-        if (s.readings_drive(gap)) return gap * lead(s.measured, gap);
+        if (s.readings_drive(gap)) return gap * lead(s.drive(), gap);
         return 0.5 * gap * s.direction;
       },
       // The gear's periodic errors depend on the angle after the play.
