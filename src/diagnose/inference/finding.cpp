@@ -27,19 +27,10 @@ double mean_square_residual(const Explanation& m, const Evidence& e) {
 
 namespace {
 
-/// Time of a step, between the rows of the record at which its residual changes most abruptly: the search
-/// knows it to the rows that it uses.
-double time_of_step(const Sampling& s, double time) {
-  constexpr Eigen::Index side = 8;   // rows, of which the means before and behind are compared
-  constexpr std::size_t around = 8;  // groups of rows
-  const Eigen::ArrayXd &used = s.evidence.time, &all = s.record->time;
-  const auto at = static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), time) - used.begin());
-  if (at < 1 || at + 1 >= s.groups.size()) return time;
-  // A rest is few of the search's rows, and long.
-  const Eigen::Index first = s.groups[at - std::min<std::size_t>(at, around)].first + 1, n = all.size(),
-                     last = s.groups[std::min(at + around, s.groups.size()) - 1].end - 1;
-  const Eigen::Index before = std::min(side, first), behind = std::min(side, n - last);
-  const Eigen::ArrayXd error = s.record->measured - s.record->path;
+/// The row in first .. last at which an error changes most abruptly: the first one behind its step.
+Eigen::Index row_of_step(const Eigen::ArrayXd& error, Eigen::Index first, Eigen::Index last) {
+  constexpr Eigen::Index side = 8;  // rows, of which the means before and behind are compared
+  const Eigen::Index before = std::min(side, first), behind = std::min(side, error.size() - last);
   const double low = error.segment(first - before, before).mean(), high = error.segment(last, behind).mean();
   double change = 0, least = 0;
   Eigen::Index best = first;
@@ -47,7 +38,40 @@ double time_of_step(const Sampling& s, double time) {
     change += std::pow(error[k] - low, 2) - std::pow(error[k] - high, 2);
     if (change < least) least = change, best = k + 1;
   }
-  return 0.5 * (all[best - 1] + all[best]);
+  return best;
+}
+
+/// Time of a step, between rows of the record: the search knows it to some of the rows that it uses.
+/// @param others  what the other terms add, at the rows of the sampling
+double time_of_step(const Sampling& s, double time, const Eigen::ArrayXd& others) {
+  constexpr Eigen::Index around = 8;  // groups of rows
+  const Eigen::ArrayXd &used = s.evidence.time, &all = s.record->time;
+  const Eigen::Index at = std::lower_bound(used.begin(), used.end(), time) - used.begin(), n = used.size();
+  if (at < 1 || at + 1 >= n) return time;
+  const Eigen::Index there =
+      row_of_step(s.evidence.measured - s.evidence.path - others, std::max<Eigen::Index>(at - around, 1),
+                  std::min(at + around, n - 1));
+  // Rows of the record in both groups beside the step, and between them. A rest is one group, and long.
+  const Eigen::Index first = s.groups[static_cast<std::size_t>(there) - 1].first + 1,
+                     last = s.groups[static_cast<std::size_t>(there)].end - 1;
+  const Eigen::Index row =
+      last > first ? row_of_step(s.record->measured - s.record->path, first, last) : first;
+  return 0.5 * (all[row - 1] + all[row]);
+}
+
+/// The fit with its steps between the rows of the record where they are.
+Explanation with_timed_steps(const Sampling& s, Explanation m) {
+  const std::vector<Term> terms = m.terms();
+  if (std::ranges::none_of(terms, [](const Term& t) { return t.step && t.named(); })) return m;
+  Explanation timed(s.evidence);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const Term& t = terms[i];
+    const Eigen::ArrayXd others = m.addition() - addition(t, m.coefficients(i));
+    timed.add(t.step && t.named() ? step_term(s.evidence, time_of_step(s, t.effect.number("time"), others))
+                                  : t);
+  }
+  timed.fit();
+  return timed;
 }
 
 /// The fit with time constants at the maximum of its likelihood, as their intervals have it: the search ends
@@ -87,19 +111,15 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
 Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
   Selection s{Explanation(sampling.evidence), {}, {}, {}};
   for (const ChosenTerm& c : found.chosen) {
-    Term t = c.candidate.over(sampling);
-    if (t.step && t.named())
-      t = step_term(sampling.evidence, time_of_step(sampling, t.effect.number("time")));
-    s.model.add(std::move(t));
+    s.model.add(c.candidate.over(sampling));
     s.p_values.push_back(c.p_value);
     s.lost.push_back(c.lost);
   }
   for (const Replacement& r : found.replacements)
     s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
-  if (!found.chosen.empty()) {
-    s.model.fit();
-    s.model = with_fitted_shapes(sampling.evidence, std::move(s.model));
-  }
+  if (found.chosen.empty()) return s;
+  s.model.fit();
+  s.model = with_fitted_shapes(sampling.evidence, with_timed_steps(sampling, std::move(s.model)));
   return s;
 }
 

@@ -19,11 +19,10 @@ bool displaces(const Term& t) {
 }
 
 bool displaces(const Term& t, const Term& other) {
-  if (!other.named() || !t.named() || t.constant) return displaces(t);
+  if (!other.named() || !t.named()) return displaces(t);
   const EffectKind &kind = effect_kind(t.effect.type), &next = effect_kind(other.effect.type);
   if (is_periodic(next) && refers_to_joint(other.effect)) return kind.stage == Stage::clock;
-  if (next.stage == Stage::disc && next.first_in_stage) return kind.stage < next.stage;
-  return displaces(t) && kind.stage <= next.stage;
+  return acts_before(kind, next) || (kind.stage == next.stage && displaces(t) && !next.first_in_stage);
 }
 
 namespace {

@@ -44,11 +44,11 @@ class PathAsRead {
   Eigen::Index before_ = 0;  ///< row of the last instant
 };
 
-/// Whether one term displaces the position on which another depends, as the signal path has it: clock, link
-/// and play that of all behind them, a wrong ratio that of disc and lines; everything before the disc is
-/// multiplied by the ratio. A shape without a name is one of the position as it is read, behind all of these.
+/// Whether one term displaces the position on which another depends: it acts before it. A shape without a name
+/// is one of the position as it is read, behind all that displaces others.
 bool displaces(const Term&, const Term& other);
-/// Whether it displaces the position of others than the ratio.
+/// Whether it displaces what stands behind it by more than a search notices: clock, link, play and a wrong
+/// ratio.
 bool displaces(const Term&);
 
 /// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears

@@ -125,11 +125,22 @@ class CauseSearch {
     return changed;
   }
 
+  /// Whether a term displaces others so that the search has to follow: lines of an encoder are so narrow that
+  /// any error of its disc does.
+  bool is_followed(const Term& t) const {
+    if (displaces(t)) return true;
+    for (std::size_t g = 0; g < model_->candidates().size(); ++g)
+      if (const Term& other = model_->term(g); t.named() && other.named() && displaces(t, other) &&
+                                               effect_kind(other.effect.type).stage == Stage::line)
+        return true;
+    return false;
+  }
+
   bool displace() {
     std::vector<Addition> now;
     Eigen::ArrayXd change = Eigen::ArrayXd::Zero(samples_.size());
     for (std::size_t i = 0; i < choice_.chosen.size(); ++i)
-      if (displaces(term(i))) now.push_back({term(i), added(i)});
+      if (is_followed(term(i))) now.push_back({term(i), added(i)});
     for (const Addition& a : now) change += a.added;
     for (const Addition& a : displacing_) change -= a.added;
     const bool changed = change.abs().maxCoeff() > 2 * record_.step();

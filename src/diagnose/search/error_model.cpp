@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "diagnose/record/with_effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -18,6 +19,8 @@ constexpr double least_variance = 0.9;
 
 /// Ratio of a residual to that of rounding and noise up to which nothing worth mentioning is left.
 constexpr double complete = 1.3;
+
+bool is_of_lines(const Term& t) { return t.named() && effect_kind(t.effect.type).stage == Stage::line; }
 
 }  // namespace
 
@@ -86,12 +89,15 @@ void ErrorModel::price(double independent, double worth, double worth_of_shapes)
   const double least = worth * worth * weight_.sum(),
                other = worth_of_shapes * worth_of_shapes * weight_.sum();
   // A shape that the catalogue does not have must be better than a named one by what is material, as must an
-  // arc; a table better than as many sines as have its number of coefficients.
+  // arc; a table better than as many sines as have its number of coefficients. What repeats with every line
+  // is none of the deviations of a larger error from its name, which are slow.
+  const double of_lines = std::pow(std::min(worth, material * sampled().step()), 2) * weight_.sum();
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const auto count = static_cast<double>(groups_[i].count);
     groups_[i].price = count * std::log(std::max(independent, 2.0)) +
                        2 * std::log(std::max(1.0, candidates_[i].alternatives));
     groups_[i].least_gain = is_table(i)                     ? std::max(2.0, 0.5 * count) * other
+                            : is_of_lines(term(i))          ? of_lines
                             : term(i).named() && !is_arc(i) ? least
                                                             : 2 * other;
   }

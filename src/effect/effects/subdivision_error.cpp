@@ -117,6 +117,7 @@ Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& va
   const Eigen::VectorXd p = limited(values);
   Effect effect = t.effect;
   fill(effect, p);
+  next.effect = effect;
   const Distortion distortion(effect);
   const double unit = period(s.encoder) / turn;  // [rad or m] per electrical radian
   next.columns.resize(s.rows(), p.size());
@@ -135,11 +136,13 @@ Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& va
   return next;
 }
 
-/// The linearization is renewed after each fit anyway: only the path's displacement is stored.
-Term along(const RecordSignals&, const Term& t, const Eigen::ArrayXd& moved) {
+/// Linearized about the parameters that the term has.
+Term along(const RecordSignals& s, const Term& t, const Eigen::ArrayXd& moved) {
   Term next = t;
   next.moved = moved;
-  return next;
+  Eigen::VectorXd p(t.size());
+  for (Eigen::Index i = 0; i < p.size(); ++i) p[i] = t.effect.number(coefficients[i]);
+  return linearized(s, next, p);
 }
 
 /// Offsets, gain and phase (Heydemann) of signals that are not clipped, and of clipped ones.
