@@ -60,7 +60,7 @@ TEST(TwoCauses, IntervalsOfADriftHoldItsTimeConstant) {
 
 /// The joint's angle has no play: its periodic error is not displaced by one, as that of the disc would be.
 TEST(TwoCauses, APeriodicErrorOfTheJointIsExactBesideItsPlay) {
-  for (unsigned seed = 1; seed <= 3; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     Machine m = swinging(seed);
     const double gap = 0.05, amplitude = 0.04;
     Column read = m.path + amplitude * (3 * m.path + 1).sin();
@@ -74,9 +74,55 @@ TEST(TwoCauses, APeriodicErrorOfTheJointIsExactBesideItsPlay) {
   }
 }
 
+/// Where the joint has hardly moved since it turned round, a reading multiplied by a ratio below one has not
+/// crossed the whole play.
+TEST(TwoCauses, APlayIsCrossedAlsoBesideAScale) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    Machine m = swinging(seed);
+    const double gap = 0.012, scale = -0.03;
+    Column read = m.path;
+    for (Eigen::Index k = 1; k < m.rows; ++k) read[k] += m.path[k] > m.path[k - 1] ? gap / 2 : -gap / 2;
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted((1 + scale) * read)));
+    EXPECT_EQ(d.verdict, Verdict::explained) << seed;
+    EXPECT_LT(d.gain.rms_after, 0.32 * m.resolution) << seed;
+  }
+}
+
+/// The time of a loss is told by what the other causes leave.
+TEST(TwoCauses, ALossIsBetweenItsRowsBesideAScale) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    Machine m = swinging(seed);
+    const double time = m.between(5, 7);
+    const Column read = m.counted(1.03 * m.path) + 9 * (m.time >= time).cast<double>();
+    const auto found = found_by(diagnose(model_of(m), {}, {}, log_of(m, read)));
+    ASSERT_TRUE(found.contains("missed_counts time")) << seed;
+    EXPECT_NEAR(found.at("missed_counts time").value, time, 1 / m.rate) << seed;
+  }
+}
+
+/// A drift displaces the lines of the disc.
+TEST(TwoCauses, TheGainOfALineIsThatOfADriftingDisc) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    Machine m = swinging(seed);
+    const double period = 64 * m.resolution, gain = -0.05, constant = 2.8;
+    const Column disc = m.path + 10 * m.resolution * (1 - (-m.time / constant).exp());
+    const Column read = disc.unaryExpr([&](double x) {
+      const double angle = 2 * std::numbers::pi * x / period;
+      const double shown = std::atan2((1 + gain) * std::sin(angle), std::cos(angle));
+      return x + std::remainder(shown - angle, 2 * std::numbers::pi) * period / (2 * std::numbers::pi);
+    });
+    OperationalModel model = model_of(m);
+    model.transmission.encoders[0].counts_per_period = 64;
+    const auto found = found_by(diagnose(model, {}, {}, log_of(m, m.counted(read))));
+    ASSERT_TRUE(found.contains("subdivision_error gain") && found.contains("drift time_constant")) << seed;
+    EXPECT_NEAR(std::abs(found.at("subdivision_error gain").value), -gain, 0.003) << seed;
+    EXPECT_NEAR(found.at("drift time_constant").value, constant, 0.15) << seed;
+  }
+}
+
 /// Behind a loss of an odd number of counts the disc's edges are where they were.
 TEST(TwoCauses, ALossOfCountsDoesNotHideUnequalStates) {
-  for (unsigned seed = 1; seed <= 3; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     Machine m = swinging(seed);
     m.resolution = 2e-3, m.noise = 0.02 * m.resolution;
     const double shift = 0.3;  // of every second edge [counts]
