@@ -9,9 +9,25 @@ set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-"$root/scripts/setup.sh" --tests
+options=(-DQERR_PYTHON=ON -DPython_EXECUTABLE=/usr/bin/python3)
 if [[ ${CI-} == true ]]; then
-  "$root/scripts/setup.sh" --libfuzzer
+  options+=(-DQERR_WERROR=ON)
+fi
+# On a new machine the program is built while the packages of the tests are fetched and installed.
+building=
+if [[ ! -f $root/build/CMakeCache.txt ]]; then
+  "$root/scripts/setup.sh"
+  options+=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
+  cmake -S "$root" -B "$root/build" "${options[@]}" -DQERR_PYTHON=OFF -DQERR_TESTS=OFF >/dev/null
+  ninja -C "$root/build" -j "$(nproc)" qerr &
+  building=$!
+  trap 'kill "$building"' EXIT
+fi
+if [[ ${CI-} == true ]]; then
+  "$root/scripts/setup.sh" --tests --libfuzzer
+  options+=(-DQERR_FUZZ=ON)
+else
+  "$root/scripts/setup.sh" --tests
 fi
 
 echo "== floors" >&2
@@ -23,14 +39,11 @@ find "$root/include" "$root/src" "$root/tests" \( -name '*.hpp' -o -name '*.cpp'
   xargs -0 clang-format --dry-run --Werror
 
 echo "== build" >&2
-options=(-DQERR_TESTS=ON -DQERR_PYTHON=ON -DPython_EXECUTABLE=/usr/bin/python3)
-if [[ ! -f $root/build/CMakeCache.txt ]]; then
-  options+=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
+if [[ -n $building ]]; then
+  trap - EXIT
+  wait "$building"
 fi
-if [[ ${CI-} == true ]]; then
-  options+=(-DQERR_WERROR=ON -DQERR_FUZZ=ON)
-fi
-cmake -S "$root" -B "$root/build" "${options[@]}"
+cmake -S "$root" -B "$root/build" "${options[@]}" -DQERR_TESTS=ON
 cmake --build "$root/build" --parallel "$(nproc)"
 
 echo "== tests" >&2

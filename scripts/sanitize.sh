@@ -17,8 +17,7 @@ case $mode in
 esac
 build=$root/build-$mode
 
-"$root/scripts/setup.sh" --tests
-"$root/scripts/setup.sh" --fuzz  # Clang, which takes a third of GCC's time here
+"$root/scripts/setup.sh" --tests --fuzz  # Clang, which takes a third of GCC's time here
 
 export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1

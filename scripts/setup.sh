@@ -10,6 +10,8 @@
 #   scripts/setup.sh --libfuzzer  and for the fuzz targets without Clang, as continuous integration runs them
 #   scripts/setup.sh --slurm      and for the test of scripts/slurm_sweep.sh, which is skipped without them
 #
+# Several options may be given.
+#
 # The only list of packages (Debian 12 or later).
 set -euo pipefail
 
@@ -64,17 +66,18 @@ slurm_packages=(
   slurm-wlm munge       # 14 MB; apart from the tests', as they bring daemons that start with the machine
 )
 
-case "${1-}" in
-  "") ;;
-  --tests) packages+=("${test_packages[@]}") ;;
-  --package) packages+=("${package_packages[@]}") ;;
-  --plots) packages+=("${plot_packages[@]}") ;;
-  --bench) packages+=("${bench_packages[@]}") ;;
-  --fuzz) packages+=("${fuzz_packages[@]}") ;;
-  --libfuzzer) packages+=("${libfuzzer_packages[@]}") ;;
-  --slurm) packages+=("${slurm_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--package|--plots|--bench|--fuzz|--libfuzzer|--slurm]" >&2; exit 2 ;;
-esac
+for option in "$@"; do
+  case "$option" in
+    --tests) packages+=("${test_packages[@]}") ;;
+    --package) packages+=("${package_packages[@]}") ;;
+    --plots) packages+=("${plot_packages[@]}") ;;
+    --bench) packages+=("${bench_packages[@]}") ;;
+    --fuzz) packages+=("${fuzz_packages[@]}") ;;
+    --libfuzzer) packages+=("${libfuzzer_packages[@]}") ;;
+    --slurm) packages+=("${slurm_packages[@]}") ;;
+    *) echo "usage: ${0##*/} [--tests|--package|--plots|--bench|--fuzz|--libfuzzer|--slurm]" >&2; exit 2 ;;
+  esac
+done
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "setup: not a Debian system; please install the equivalents of: ${packages[*]}" >&2

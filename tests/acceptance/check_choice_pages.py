@@ -128,7 +128,7 @@ def swept(found, figure):
 
 def check_sweep_lines(t, qerr, name, spec, key, *more):
     """Every line of every picture over a key."""
-    root = page(t, qerr, name, "sweep", spec, *more)
+    root = page(t, qerr, name, "sweep", spec, *more, threads=(1, 2))
     found, drawn = report(qerr, "sweep", spec, *more), figures(root)
     units, compared = found.get("units", {}), 0
     first = key
@@ -239,7 +239,7 @@ def check_design(t, qerr, folder):
     (folder / "encoders.csv").write_text(CATALOGUE)
     spec = folder / "design.yaml"
     spec.write_text(DESIGN.format(urdf=urdf, limit=60))
-    root = page(t, qerr, "design", "design", spec)
+    root = page(t, qerr, "design", "design", spec, threads=(1, 2))
     found, drawn = report(qerr, "design", spec), figures(root)
     optimum, figure = found["optimal"], drawn["Price against position.x.sigma p99"]
     t.check("design: the front as in JSON", marks(figure, "front") == [(p["price"], p["value"]) for p in found["pareto"]])

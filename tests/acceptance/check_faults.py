@@ -108,7 +108,7 @@ def check_calls(t, bench, command, outputs, whole, counts, every):
     for call in CALLS:
         last = counts[call]
         # The first calls read inputs, the last ones write outputs.
-        at = range(1, last + 1) if last < every else sorted({1, 2, 3, last // 2, *range(last - 3, last + 1)})
+        at = range(1, last + 1) if last < every else sorted({1, 2, last // 2, last - 1, last})
         faults = [f"{call}:{n}" for n in at]
         for fault in [*faults, f"{call}:1+", f"{call}:2+:28"]:
             ran = bench.run(command, outputs, FAULT=fault)

@@ -157,7 +157,7 @@ motion: {{sample_rate: 1 kHz, duration: 5 s, joints: {{{joints}}}}}
 """)
         effects = "effects=[{type: backlash, joint: a2, gap: 0.2 mrad}]"
         for runs in ("1", "3"):
-            root = page(t, qerr, f"arm, {runs} runs", "simulate", spec, "--runs", runs, "--set", effects)
+            root = page(t, qerr, f"arm, {runs} runs", "simulate", spec, "--runs", runs, "--set", effects, threads=(1, 2) if runs == "3" else (2,))
             report = json.loads(run(qerr, "simulate", spec, "--runs", runs, "--set", effects, "--format", "json", "--quiet").out)
             check_prediction(t, f"arm, {runs} runs", root, report)
             for r in report["results"]:

@@ -124,7 +124,7 @@ def check_interrupt(t, qerr):
                               (["analyze", spec, "--set", slow, "--allow-long"], "unfinished files are removed"),
                               (["sweep", spec, "-o", rows, "--set", "sweep=[{key: configurations.seed, from: 1, to: 90000, count: 90000}]"],
                                "--resume goes on")):
-            text, code = on_terminal(qerr, words, 80, stop_at=b" % of ")  # of the configurations, of a search's work
+            text, code = on_terminal(qerr, [*words, "--threads", "1"], 80, stop_at=b" % of ")  # of the configurations, of a search's work
             last = shown_lines(text.replace("^C", ""))[-2:]
             t.check(f"{words[0]}: Ctrl-C", code == 130 and text.endswith("\n") and wanted in "".join(last), text[-300:])
 

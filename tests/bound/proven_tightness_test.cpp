@@ -165,7 +165,7 @@ std::string numbered(const char* what, std::uint64_t seed, std::size_t coordinat
 TEST(ProvenMaximum, IsAsTightAsMeasured) {
   const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6),
       at_maximum("proven_bounds.csv", 1e-3);
-  for (std::uint64_t seed = 0; seed < 14; ++seed) {
+  for (std::uint64_t seed = 0; seed < 7; ++seed) {
     Dice dice(900 + seed);
     const std::size_t joints = 1 + seed % 7;
     const OperationalModel m = model_with_everything(dice, seed, joints);
@@ -191,7 +191,7 @@ TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
   const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6),
       at_maximum("proven_bounds.csv", 1e-3);
   const std::vector<Norms> filters{norms(difference_filter(1000, 1)), norms(difference_filter(250, 2))};
-  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
     Dice dice(1700 + seed);
     OperationalModel m = model_with_everything(dice, seed, 1 + seed % 4);
     for (IndependentError& s : m.sources) s.sigma_ratios = {2, 3};
@@ -253,7 +253,7 @@ TEST(BranchAndBound, IsAsFastAsMeasured) {
 
 TEST(ChainBound, OfGapsAndDependentJointsIsAsTightAsMeasured) {
   const Measured measured("proven_bounds.csv", 1e-6);
-  for (std::uint64_t seed = 0; seed < 15; ++seed) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Dice dice(1300 + seed);
     const OperationalModel m = model_with_everything(dice, seed, 2 + seed % 3);
     const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());

@@ -52,7 +52,7 @@ LoopResponse response_of_loop(const Control& c) {
   return loop_response(c.joints[0], *c.joints[0].inertia, c.sample_rate, c.samples_of_delay(0));
 }
 
-constexpr unsigned random_loops = 60;
+constexpr unsigned random_loops = 24;
 
 TEST(Loop, NormsAreThoseOfTheSimulatedResponse) {
   unsigned stable = 0;

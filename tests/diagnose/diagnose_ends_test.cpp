@@ -203,7 +203,7 @@ double cpu_seconds() {
 // QERR_SPOILT_LOGS=100000 tries more of them.
 TEST(Diagnose, EndsForEverySpoiltLog) {
   const char* more = std::getenv("QERR_SPOILT_LOGS");
-  const int logs = more ? std::atoi(more) : 700;
+  const int logs = more ? std::atoi(more) : 300;
   std::map<Verdict, int> verdicts;
   double longest = 0;
   for (int seed = 1; seed <= logs; ++seed) {

@@ -46,7 +46,7 @@ struct Drive {
 
 /// Neither an eccentricity for the weight, nor a play for the friction.
 TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     Drive drive(600 + seed);
     const double compliance = drive.machine.between(4, 15) * drive.machine.resolution / drive.weight;
     const Diagnosis d = drive.diagnosed(compliance);
@@ -63,7 +63,7 @@ TEST(DriveTorque, OfACompliantGearIsItsOnlyCause) {
 /// Friction that nothing predicts: the load is then told by the link's own motion, and the product of
 /// compliance and load better than either.
 TEST(DriveTorque, ThatFrictionHidesIsALoadByTheLinksMotion) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     Drive drive(620 + seed);
     Machine& m = drive.machine;
     double level = 0;
@@ -91,7 +91,7 @@ TEST(DriveTorque, ThatFrictionHidesIsALoadByTheLinksMotion) {
 
 /// The noise of the torque's measurement, times the compliance, is not in the readings.
 TEST(DriveTorque, ThatIsNoisyMakesNoNoiseOfTheReadings) {
-  for (unsigned seed = 1; seed <= 5; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     Drive drive(640 + seed);
     for (double& t : drive.torque) t += 0.02 * drive.weight * drive.machine.normal();
     const Diagnosis d = drive.diagnosed(20 * drive.machine.resolution / drive.weight);
@@ -112,7 +112,7 @@ TEST(DriveTorque, DoesNotBoundAnOwnLoad) {
 }
 
 TEST(DriveTorque, OfAStiffGearIsNoFault) {
-  for (unsigned seed = 1; seed <= 5; ++seed)
+  for (unsigned seed = 1; seed <= 2; ++seed)
     EXPECT_EQ(Drive(650 + seed).diagnosed(0).verdict, Verdict::nothing_wrong) << seed;
 }
 

@@ -30,7 +30,7 @@ bool has_one_cause(const Diagnosis& d, const char* type, int order) {
 }
 
 TEST(ShortArc, OfThreeTenthsOfAPeriodTellsAnOrderAboveOne) {
-  constexpr int records = 12;
+  constexpr int records = 6;
   int right = 0;
   for (unsigned seed = 1; seed <= records; ++seed) {
     const int order = 2 + static_cast<int>(seed) % 3;
@@ -67,7 +67,7 @@ bool is_named(const Diagnosis& d, const char* effect) {
 
 /// A line through any point, with a slope, is a small part of a sine.
 TEST(ShortArc, OfAFewHundredthsOfATurnMayBeAnOffsetWithAScale) {
-  constexpr int records = 8;
+  constexpr int records = 4;
   int honest = 0;
   for (unsigned seed = 201; seed <= 200 + records; ++seed) {
     Machine m(seed);
@@ -80,7 +80,7 @@ TEST(ShortArc, OfAFewHundredthsOfATurnMayBeAnOffsetWithAScale) {
 
 /// That a sine vanishes where the zero is would be chance.
 TEST(ShortArc, LeavesAScaleBareWhoseZeroIsRight) {
-  constexpr int records = 8;
+  constexpr int records = 4;
   int bare = 0;
   for (unsigned seed = 301; seed <= 300 + records; ++seed) {
     Machine m(seed);

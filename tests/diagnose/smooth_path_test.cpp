@@ -61,7 +61,7 @@ TEST(SmoothPath, FindsTheNoiseAtEvenAndUnevenStampsFastAndSlow) {
       for (const double sigma : {0.0, 1e-6, 1e-5})
         for (const double grid : {1e-7, 1e-5})
           for (const bool rests : {false, true}) {
-            const int rows = 3000 + static_cast<int>(dice() % 4000);
+            const int rows = 1500 + static_cast<int>(dice() % 1000);
             const RecordedPath r(dice, rows, rate, unevenness, sigma, grid, rests ? ramps : two_sines);
             const SmoothPath s = smooth_path(r.time, r.recorded, grid);
             SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(unevenness) + ", sigma " +

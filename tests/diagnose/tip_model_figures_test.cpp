@@ -140,7 +140,7 @@ TipRecord moved_arm(std::uint64_t seed) {
 }
 
 TEST(TipModelFigures, OfSelectionsFromMotionsAreAsMeasured) {
-  for (std::uint64_t seed = 1; seed <= 18; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
     const TipRecord r = moved_arm(seed);
     const std::vector<Effect> present =
         seed % 6 == 5 ? std::vector<Effect>{{"offset", "j1", {{"offset", 2e-4}}, {}}} : std::vector<Effect>{};

@@ -92,7 +92,7 @@ TEST(Tracker, HasItsColumnsExchanged) {
 TEST(Tracker, IsInAnotherUnit) {
   const std::pair<std::string, double> units[] = {
       {"like mm", 1000}, {"like cm", 100}, {"like inch", 1 / 0.0254}};
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
     Dice dice(300 + seed);
     TrackedRecord r(dice);
     const auto& [name, factor] = units[seed % 3];
@@ -107,7 +107,7 @@ TEST(Tracker, IsInAnotherUnit) {
 
 // Neither a frame of its own nor a wrong decoding of a joint makes a tracker useless.
 TEST(Tracker, MayStandAnywhere) {
-  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
     Dice dice(400 + seed);
     TrackedRecord r(dice);
     const Eigen::Isometry3d frame = dice.frame(2);

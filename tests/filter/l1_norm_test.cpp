@@ -73,7 +73,7 @@ TEST(L1Norm, OfRandomCascadesContainsTheDirectSumWithin1e12) {
 
 TEST(L1Norm, OfASlowResonanceContainsTheDirectSumWithin1e12) {
   for (const double gap : {1e-3, 5e-4}) {
-    for (const double angle : {1e-3, 0.3, 2.0, 3.1}) {
+    for (const double angle : {1e-3, 2.0}) {
       const double m = 1 - gap, a1 = -2 * m * std::cos(angle), a2 = m * m;
       for (const double fast : {0.0, 0.9, -0.99}) {
         const Filter filter{

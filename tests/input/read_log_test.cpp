@@ -315,7 +315,7 @@ TEST_F(ReadLog, AcceptsOrRejectsRandomBytes) {
   const std::string sound = shoulder("0.000,1,0.5\n\"0.001\",-2,1e-3\r\n0.002,3,.25\n");
   const std::string spice = "\",\n\r#+-.eE0\xEF\xBB\xBF \t[";
   int accepted = 0;
-  for (int i = 0; i < 2500; ++i) {
+  for (int i = 0; i < 800; ++i) {
     std::string text = i % 10 ? sound : "";
     for (std::size_t k = 0; k < 40 && text.size() < 40; ++k) text += static_cast<char>(dice());
     for (std::size_t k = dice() % 6; k > 0; --k) {
@@ -331,8 +331,8 @@ TEST_F(ReadLog, AcceptsOrRejectsRandomBytes) {
     ASSERT_EQ(by_blocks, refused_again({.block_bytes = 4096, .block_rows = 10})) << text;
     accepted += by_blocks == "accepted";
   }
-  EXPECT_GT(accepted, 250);
-  EXPECT_LT(accepted, 1900);
+  EXPECT_GT(accepted, 80);
+  EXPECT_LT(accepted, 600);
 }
 
 TEST_F(ReadLog, ReadsTheSharedExamples) {
