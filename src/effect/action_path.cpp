@@ -1,6 +1,7 @@
 #include "effect/action_path.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include "effect/effects/periodic.hpp"
 
@@ -13,7 +14,9 @@ int place_in_stage(const EffectKind& kind) { return kind.first_in_stage ? 0 : is
 }  // namespace
 
 bool acts_before(const EffectKind& a, const EffectKind& b) {
-  return a.stage != b.stage ? a.stage < b.stage : place_in_stage(a) < place_in_stage(b);
+  if (a.stage != b.stage) return a.stage < b.stage;
+  if (a.stage == Stage::decoder) return std::less<>()(&a, &b);  // of one list
+  return place_in_stage(a) < place_in_stage(b);
 }
 
 void ActionPath::add(const EffectKind& kind, Action action) {

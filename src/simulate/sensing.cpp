@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
@@ -48,8 +49,12 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
   for (const Effect& effect : effects)
     if (const auto modify = effect_kind(effect.type).modify_encoder)
       modify(transmission_.encoders[independent_index(model.chain, effect.joint)]);
-  for (std::size_t i = 0; i < effects.size(); ++i) {
-    const EffectKind& kind = effect_kind(effects[i].type);
+  const auto kind_of = [&](std::size_t i) -> const EffectKind& { return effect_kind(effects[i].type); };
+  std::vector<std::size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, acts_before, kind_of);
+  for (const std::size_t i : order) {
+    const EffectKind& kind = kind_of(i);
     if (kind.stage == Stage::kinematics) continue;
     const std::size_t joint = independent_index(model.chain, effects[i].joint);
     Actions& a = actions_[joint];
