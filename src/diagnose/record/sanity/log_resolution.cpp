@@ -29,14 +29,15 @@ bool is_specified(const Sanity& s, std::size_t joint, double step) {
 }
 
 /// Where the counts cannot be restored, the rounding of the file remains in the residual.
-void report_rounding(Sanity& s, std::size_t joint, double step) {
+/// @param exact  every value is a multiple of the step: it is reported beside errors of any size
+void report_rounding(Sanity& s, std::size_t joint, double step, bool exact = false) {
   if (is_specified(s, joint, step)) return;
   const auto column = s.log.find(LogSignal::reference, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   double residual_rms = 0;
   if (column && measured) {
     const Eigen::ArrayXd residual = *measured - s.log.values.col(*column);
-    if (step / std::sqrt(12.0) < negligible_share * standard_deviation(residual)) return;
+    if (!exact && step / std::sqrt(12.0) < negligible_share * standard_deviation(residual)) return;
     residual_rms = rms(residual);
   }
   s.causes.push_back(exact_cause(s, joint, log_rounding_effect().name, {{"step", step}}, 1e-300, residual_rms,
@@ -67,7 +68,7 @@ void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   const auto every = static_cast<double>(divisor);
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
   if (is_steady(read.counts, every)) return;
-  report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every);
+  report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every, true);
   read.counts /= every;
   decode(s, read, encoder, 1 / every);
 }
