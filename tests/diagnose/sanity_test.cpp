@@ -392,7 +392,7 @@ TEST(Sanity, TakesAFirstReadingWithinThePlayForNoCorruptOne) {
 TEST(Sanity, TakesAStuckBitFromTheReference) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     Machine m(seed);
-    const int bit = 1 + static_cast<int>(seed % 4);
+    const int bit = static_cast<int>(seed % 4);
     const bool one = seed % 3 == 0;
     const Column whole = m.counted(m.path);
     const Column read = whole.unaryExpr([&](double count) {
@@ -413,7 +413,9 @@ TEST(Sanity, TakesAStuckBitFromTheReference) {
     const Sanity s = sanity_of(read);
     ASSERT_EQ(stuck(s), 1) << seed;
     EXPECT_NE(s.data.front().what.find("bit " + std::to_string(bit) + " of"), std::string::npos);
-    EXPECT_TRUE((s.log.values.col(*s.log.find(LogSignal::counts, 0)) == whole).all()) << seed;
+    // The reference's noise takes some for their neighbours.
+    const auto right = (s.log.values.col(*s.log.find(LogSignal::counts, 0)) == whole).cast<double>();
+    EXPECT_GE(right.mean(), bit == 0 ? 0.8 : 1) << seed;
     EXPECT_EQ(stuck(sanity_of(whole)), 0) << seed;
   }
 }

@@ -338,16 +338,6 @@ void check_decoding(Sanity& s, std::size_t encoder) {
                                  std::exp(-0.5 * tail * tail), before, after));
 }
 
-namespace {
-
-/// A bit of counts that never changes, and its value where the counts are those of the counter.
-struct StuckBit {
-  int bit = 0;
-  std::optional<bool> value;
-};
-
-/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur, and the counts leap over it: a steady
-/// motion by so many counts a row misses remainders, too.
 std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   const Eigen::Index n = counts.size();
   const double range = counts.maxCoeff() - counts.minCoeff();
@@ -359,7 +349,7 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
     missing -= !std::exchange(seen, 1);
     if (missing == 0) return std::nullopt;
   }
-  for (int bit = 1; bit <= highest; ++bit) {
+  for (int bit = 0; bit <= highest; ++bit) {
     const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
     if (range < 4.0 * static_cast<double>(modulus) || n < 4 * modulus) return std::nullopt;
     std::vector<bool> seen(static_cast<std::size_t>(modulus));
@@ -382,6 +372,8 @@ std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
   }
   return std::nullopt;
 }
+
+namespace {
 
 /// Errors that readings may have, as they are read or by `other` more: those that together change least from
 /// row to row (Viterbi).

@@ -66,6 +66,7 @@ void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   for (Eigen::Index k = 1; k < read.counts.size() && divisor != 1; ++k)
     divisor = std::gcd(divisor, std::llround(read.counts[k] - read.counts[0]));
   const auto every = static_cast<double>(divisor);
+  if (divisor == 2 && stuck_bit(direction(s.model.transmission.encoders[encoder]) * read.counts)) return;
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
   if (is_steady(read.counts, every)) return;
   report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every, true);

@@ -116,6 +116,17 @@ void check_loads(Sanity&);
 DataFinding reverse_effort(Sanity&, std::size_t joint);
 /// A bit of the counts that never changes: it is taken from the reference.
 void check_stuck_bit(Sanity&, std::size_t encoder);
+
+/// A bit of counts that never changes, and its value where the counts are those of the counter.
+struct StuckBit {
+  int bit = 0;
+  std::optional<bool> value;
+};
+
+/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur, and the counts leap over it: a steady
+/// motion by so many counts a row misses remainders, too.
+std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts);
+
 void check_tracker(Sanity&);
 void check_unreferenced(Sanity&, std::size_t encoder);
 void check_velocity_column(Sanity&, std::size_t joint);
