@@ -70,9 +70,7 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
       const double by = wider.coefficients(terms.size() + s)[0], most = 0.5 * t.half_width;
       t = t.reshaped(e, t, t.shape + std::clamp(by, -most, most));
     }
-    Explanation next(e);
-    for (Term& t : terms) next.add(std::move(t));
-    next.fit();
+    Explanation next(e, std::move(terms));
     const double better = next.log_likelihood() - m.log_likelihood();
     if (better > 0) m = std::move(next);
     if (!(better > enough)) break;
@@ -83,21 +81,20 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
 }  // namespace
 
 Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
-  Selection s{Explanation(sampling.evidence), {}, {}, {}};
+  std::vector<Term> terms;
   for (const ChosenTerm& c : found.chosen) {
-    Term t = c.candidate.over(sampling);
-    if (t.step && t.named())
+    terms.push_back(c.candidate.over(sampling));
+    if (Term& t = terms.back(); t.step && t.named())
       t = step_term(sampling.evidence, time_of_step(sampling, t.effect.number("time")));
-    s.model.add(std::move(t));
+  }
+  Selection s{
+      with_fitted_shapes(sampling.evidence, Explanation(sampling.evidence, std::move(terms))), {}, {}, {}};
+  for (const ChosenTerm& c : found.chosen) {
     s.p_values.push_back(c.p_value);
     s.lost.push_back(c.lost);
   }
   for (const Replacement& r : found.replacements)
     s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
-  if (!found.chosen.empty()) {
-    s.model.fit();
-    s.model = with_fitted_shapes(sampling.evidence, std::move(s.model));
-  }
   return s;
 }
 
