@@ -15,8 +15,14 @@ namespace qerr {
 
 std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double spacing,
                                Eigen::Index first, Eigen::Index last) {
-  // Four cells or more in the period of the highest rate.
-  const auto cells = std::bit_ceil(static_cast<std::size_t>(4 * std::max<Eigen::Index>(last, 4)));
+  // Four cells or more in the period of the highest rate, in a number that has a fast transform.
+  const auto least = static_cast<std::size_t>(4 * std::max<Eigen::Index>(last, 4));
+  std::size_t cells = std::bit_ceil(least);
+  for (const std::size_t eighths : {5U, 6U})
+    if (cells / 8 * eighths >= least) {
+      cells = cells / 8 * eighths;
+      break;
+    }
   const double cells_per_unit = spacing * static_cast<double>(cells) / (2 * std::numbers::pi);
   std::vector<float> grid(cells, 0.0F);
   for (Eigen::Index k = 0; k < score.size(); ++k) {
