@@ -63,9 +63,10 @@ class Dictionary {
 
  private:
   const Sampling* sampling_;
-  /// Columns that depend on the history of the whole record, by family and shape: they are the same in every
-  /// pass.
+  /// Columns that depend on the history of the whole record or on the samples alone, by family and shape:
+  /// they are the same in every pass.
   std::map<std::pair<std::string, double>, Term> histories_;
+  std::map<double, bool> driven_;  ///< whether the readings drive a hysteresis of this size
   /// Parameters that the whole record tells, by effect: the same in every pass, too.
   std::map<std::string, std::vector<double>> shapes_;
 };

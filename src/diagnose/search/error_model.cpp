@@ -31,7 +31,11 @@ ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std:
       base_(record.encoder.zero_known ? 0 : 1) {
   list_groups();
   weigh(events, clocks);
-  linear_.emplace(columns_, samples.error.matrix(), weight_.matrix(), base_);
+  const Eigen::MatrixXd base = Eigen::MatrixXd::Ones(samples.size(), base_);
+  Columns columns = columns_of(base);
+  for (const Candidate& c : candidates_)
+    for (Eigen::Index i = 0; i < c.term.size(); ++i) columns.push_back(c.term.columns.col(i).data());
+  linear_.emplace(columns, samples.error.matrix(), weight_.matrix(), base_);
   floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
 }
 
@@ -58,10 +62,6 @@ void ErrorModel::list_groups() {
     groups_.push_back(g);
     count += g.count;
   }
-  columns_.resize(samples_->size(), count);
-  columns_.leftCols(base_).setOnes();
-  for (std::size_t i = 0; i < candidates_.size(); ++i)
-    columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
 }
 
 Eigen::ArrayXd ErrorModel::weights(const ErrorSamples& s) const {
@@ -104,11 +104,11 @@ double ErrorModel::criterion(const LinearModel::Set& set, double independent) co
 Eigen::MatrixXd ErrorModel::columns(const LinearModel::Set& set) const {
   Eigen::Index count = base_;
   for (const std::size_t g : set) count += groups_[g].count;
-  Eigen::MatrixXd c(columns_.rows(), count);
-  c.leftCols(base_) = columns_.leftCols(base_);
+  Eigen::MatrixXd c(samples_->size(), count);
+  c.leftCols(base_).setOnes();
   Eigen::Index at = base_;
   for (const std::size_t g : set) {
-    c.middleCols(at, groups_[g].count) = columns_.middleCols(groups_[g].first, groups_[g].count);
+    c.middleCols(at, groups_[g].count) = term(g).columns.matrix();
     at += groups_[g].count;
   }
   return c;

@@ -122,7 +122,6 @@ class ErrorModel {
   std::vector<Candidate> candidates_;
   std::vector<ColumnGroup> groups_;
   Eigen::Index base_;
-  Eigen::MatrixXd columns_;
   Eigen::ArrayXd weight_;
   std::optional<LinearModel> linear_;
 };
