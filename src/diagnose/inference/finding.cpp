@@ -94,7 +94,7 @@ Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
     s.lost.push_back(c.lost);
   }
   for (const Replacement& r : found.replacements)
-    s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
+    s.alternatives.push_back({r.instead_of, r.candidate.term->effect});
   return s;
 }
 
@@ -147,7 +147,7 @@ bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint
 
 bool has_names(const FoundCauses& found) {
   return std::any_of(found.chosen.begin(), found.chosen.end(),
-                     [](const ChosenTerm& c) { return c.candidate.term.named(); });
+                     [](const ChosenTerm& c) { return c.candidate.term->named(); });
 }
 
 void drop(FoundCauses& found, std::size_t term) {
@@ -161,7 +161,7 @@ void drop(FoundCauses& found, std::size_t term) {
 std::size_t least_name(const FoundCauses& found) {
   std::size_t least = found.chosen.size();
   for (std::size_t i = 0; i < found.chosen.size(); ++i)
-    if (found.chosen[i].candidate.term.named() &&
+    if (found.chosen[i].candidate.term->named() &&
         (least == found.chosen.size() || found.chosen[i].lost < found.chosen[least].lost))
       least = i;
   return least;
@@ -198,7 +198,7 @@ double displaced_edges(const Scatter& s) {
 bool drop_small_orders(FoundCauses& found, double size) {
   bool any = false;
   for (std::size_t i = found.chosen.size(); i-- > 0;)
-    if (found.chosen[i].candidate.term.harmonic && found.chosen[i].rms < size) drop(found, i), any = true;
+    if (found.chosen[i].candidate.term->harmonic && found.chosen[i].rms < size) drop(found, i), any = true;
   return any;
 }
 
@@ -218,7 +218,7 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
   constexpr double as_much = 1.01;
   for (const Replacement& r : found.replacements) {
     // Less than half a period needs no offset beside it, and is none the likelier for that.
-    const Term& t = r.candidate.term;
+    const Term& t = *r.candidate.term;
     if (t.harmonic && periods_covered(t.effect, sampling.evidence) < distinct_periods) continue;
     FoundCauses other = found;
     other.chosen[r.instead_of].candidate = r.candidate;
@@ -244,8 +244,8 @@ std::vector<RowGroup> rows_within(const Evidence& record, const FoundCauses& fou
                                   std::vector<RowGroup> all) {
   std::vector<Effect> effects;
   for (const ChosenTerm& c : found.chosen)
-    if (c.candidate.term.named() && effect_kind(c.candidate.term.effect.type).stage == Stage::clock)
-      c.candidate.term.fill(effects.emplace_back(c.candidate.term.effect), c.coefficients);
+    if (c.candidate.term->named() && effect_kind(c.candidate.term->effect.type).stage == Stage::clock)
+      c.candidate.term->fill(effects.emplace_back(c.candidate.term->effect), c.coefficients);
   if (effects.empty() || !record.ordered) return all;
   const auto within = reads_within(record, effects, record.time);
   std::vector<RowGroup> some;
@@ -350,7 +350,7 @@ bool has_reversed_effort(const Evidence& e, std::uint64_t seed) {
   if (line.slope >= 0 || line.residual_rms > worth_a_search * standard_deviation(error)) return false;
   const std::vector<ChosenTerm> chosen = search_causes(e, seed).chosen;
   return std::any_of(chosen.begin(), chosen.end(), [](const ChosenTerm& c) {
-    return c.candidate.term.effect.type == compliance_effect().name && c.coefficients[0] < 0;
+    return c.candidate.term->effect.type == compliance_effect().name && c.coefficients[0] < 0;
   });
 }
 

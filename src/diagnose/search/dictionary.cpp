@@ -43,7 +43,7 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-using Histories = std::map<std::pair<std::string, double>, Term>;
+using Histories = std::map<std::pair<std::string, double>, std::shared_ptr<const Term>>;
 using Shapes = std::map<std::string, std::vector<double>>;
 
 class Candidates {
@@ -78,8 +78,13 @@ class Candidates {
 
  private:
   void add(Term t, std::string family, double alternatives, std::function<Term(const Sampling&)> over) {
-    t = searchable(std::move(t));
-    if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
+    add(std::make_shared<const Term>(searchable(std::move(t))), std::move(family), alternatives,
+        std::move(over));
+  }
+
+  void add(std::shared_ptr<const Term> t, std::string family, double alternatives,
+           std::function<Term(const Sampling&)> over) {
+    if (t->columns.rows() == 0 || !t->columns.isFinite().all()) return;
     found_.push_back(
         {std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, false, std::move(over)});
   }
@@ -244,12 +249,12 @@ class Candidates {
     std::vector<double> found = scanned_.time_constants;
     for (const Event& event : scanned_.events) found.push_back(event.time_constant);
     for (const double shape : joined(found, series(duration / 100, 2 * duration, time_constants))) {
-      const Term& at =
-          history(t.effect.type, shape, [&](const Sampling&) { return t.reshaped(e_, t, shape); });
-      add(at, t.effect.type, time_constants, [original, shape](const Sampling& s) {
-        const Term fresh = original(s);
-        return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
-      });
+      const auto at = [&](const Sampling&) { return t.reshaped(e_, t, shape); };
+      add(history(t.effect.type, shape, at), t.effect.type, time_constants,
+          [original, shape](const Sampling& s) {
+            const Term fresh = original(s);
+            return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
+          });
     }
   }
 
@@ -395,9 +400,10 @@ class Candidates {
            !e_.is_stationary();
   }
 
-  const Term& history(const std::string& name, double shape, const std::function<Term(const Sampling&)>& of) {
+  const std::shared_ptr<const Term>& history(const std::string& name, double shape,
+                                             const std::function<Term(const Sampling&)>& of) {
     const auto [place, fresh] = histories_.try_emplace({name, shape});
-    if (fresh) place->second = of(s_);
+    if (fresh) place->second = std::make_shared<const Term>(searchable(of(s_)));
     return place->second;
   }
 
@@ -416,7 +422,7 @@ class Candidates {
       const auto over = [travel, clocks = clocks_](const Sampling& s) {
         return friction_term(s, PathAsRead(*s.record, clocks).of_all_rows(), travel);
       };
-      const Term& both = history("friction" + read_late_, travel, over);
+      const Term& both = *history("friction" + read_late_, travel, over);
       const Eigen::Index told = both.columns.col(1).square().sum() > few_samples ? 2 : 1;
       const auto told_of = [told](Term t) {
         t.columns.conservativeResize(Eigen::NoChange, told);

@@ -34,7 +34,7 @@ ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std:
   const Eigen::MatrixXd base = Eigen::MatrixXd::Ones(samples.size(), base_);
   Columns columns = columns_of(base);
   for (const Candidate& c : candidates_)
-    for (Eigen::Index i = 0; i < c.term.size(); ++i) columns.push_back(c.term.columns.col(i).data());
+    for (Eigen::Index i = 0; i < c.term->size(); ++i) columns.push_back(c.term->columns.col(i).data());
   linear_.emplace(columns, samples.error.matrix(), weight_.matrix(), base_);
   floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
 }
@@ -54,8 +54,8 @@ void ErrorModel::list_groups() {
   std::vector<std::string> families;
   for (const Candidate& c : candidates_) {
     ColumnGroup g;
-    g.first = count, g.count = c.term.size();
-    g.positive = c.term.positive, g.least = c.least, g.most = c.most;
+    g.first = count, g.count = c.term->size();
+    g.positive = c.term->positive, g.least = c.least, g.most = c.most;
     const auto known = std::find(families.begin(), families.end(), c.family);
     g.family = static_cast<int>(known - families.begin());
     if (known == families.end()) families.push_back(c.family);
@@ -95,6 +95,16 @@ void ErrorModel::price(double independent, double worth, double worth_of_shapes)
                             : term(i).named() && !is_arc(i) ? least
                                                             : 2 * other;
   }
+}
+
+LinearModel::Set ErrorModel::search(const std::vector<LinearModel::Set>& starts, double independent) const {
+  std::vector<LinearModel::Set> ends, seen;
+  for (const LinearModel::Set& start : starts)
+    ends.push_back(linear_->search(groups_, start, 0, independent, floor_, seen));
+  return *std::min_element(ends.begin(), ends.end(),
+                           [&](const LinearModel::Set& a, const LinearModel::Set& b) {
+                             return criterion(a, independent) < criterion(b, independent);
+                           });
 }
 
 double ErrorModel::criterion(const LinearModel::Set& set, double independent) const {

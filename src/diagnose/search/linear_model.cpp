@@ -221,10 +221,14 @@ bool LinearModel::possible_beside(const std::vector<ColumnGroup>& groups, const 
 }
 
 LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set set, std::size_t locked,
-                                     double n, double floor) const {
+                                     double n, double floor, std::vector<Set>& seen) const {
   const auto value_of = [&](const Set& s, double rss) { return criterion(groups, s, rss, n, floor); };
   double present = value_of(set, fit(groups, set).rss);
   for (int round = 0; round < most_moves; ++round) {
+    Set ascending = set;
+    std::sort(ascending.begin(), ascending.end());
+    if (std::find(seen.begin(), seen.end(), ascending) != seen.end()) break;
+    seen.push_back(std::move(ascending));
     Set best;
     double least = present - 1e-6, fitted = present;
     bool moved = false;

@@ -59,7 +59,11 @@ class LinearModel {
   /// @param locked  the first groups of `start` that no move removes
   /// @param n       independent rows
   /// @param floor   of s^2
-  Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor) const;
+  /// @param seen    sets that searches of these groups at these prices have passed, in ascending order: at
+  /// one
+  ///   of them this search ends, because its end is known
+  Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor,
+             std::vector<Set>& seen) const;
 
   double criterion(const std::vector<ColumnGroup>&, const Set&, double rss, double n, double floor) const;
 

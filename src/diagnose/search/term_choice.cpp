@@ -100,16 +100,12 @@ LinearModel::Set leading_names(const ErrorModel& m, const LinearModel::Set& name
 /// @param names  receives the best named terms
 LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, double independent,
                                 LinearModel::Set& names) {
-  const auto better = [&](LinearModel::Set a, LinearModel::Set b) {
-    return m.criterion(a, independent) <= m.criterion(b, independent) ? a : b;
-  };
   m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
   allow(m, history, [&](std::size_t i) { return m.term(i).named(); });
-  names = better(m.search(previous(m, history), 0, independent), m.search({}, 0, independent));
+  names = m.search({previous(m, history), {}}, independent);
   m.price(independent, history.worth, history.worth_of_shapes);
   allow(m, history, [](std::size_t) { return true; });
-  LinearModel::Set best = better(m.search(names, 0, independent), m.search({}, 0, independent));
-  if (!history.found.empty()) best = better(std::move(best), m.search(previous(m, history), 0, independent));
+  const LinearModel::Set best = m.search({names, {}, previous(m, history)}, independent);
   // Names alone that leave nothing need not be worth more than the curves that do.
   m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
   const double duration = m.sampled().ordered ? m.sampled().time.maxCoeff() : 0;
@@ -333,7 +329,7 @@ class Refinement {
 
   /// Keeps what a term of a scan needs to be found again.
   void keep(const Candidate& c) {
-    const Term& t = c.term;
+    const Term& t = *c.term;
     const auto add = [](auto& list, const auto& item, auto value) {
       if (std::none_of(list.begin(), list.end(),
                        [&](const auto& other) { return value(other) == value(item); }))
