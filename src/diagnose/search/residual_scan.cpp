@@ -447,13 +447,18 @@ bool gains_without(const ErrorModel& m, const LinearModel::Set& without, const L
     return fisher_f_tail(lost * draws / std::max(sum, 1e-300), d, draws * d) >= rounding_refuted;
   };
   Evidence simulated = record;
+  // Noise matters where an edge is within its reach: no number by Box and Muller is beyond sqrt(2 ln 2^53).
+  const double reach = 8.6 * record.path_noise;
   // What the first draws refute the others, which add to the sum, refute, too.
   for (int draw = 0; draw < draws && !refuted(); ++draw) {
     const std::uint64_t stream = stream_seed(seed, "surrogate", static_cast<std::uint64_t>(draw));
-    for (Eigen::Index k = 0; k < record.rows(); ++k)
-      simulated.measured[k] =
-          quantize(record.encoder, record.path[k] + added[k] +
-                                       record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
+    for (Eigen::Index k = 0; k < record.rows(); ++k) {
+      const double x = record.path[k] + added[k], low = quantize(record.encoder, x - reach);
+      simulated.measured[k] = low;
+      if (quantize(record.encoder, x + reach) != low)
+        simulated.measured[k] =
+            quantize(record.encoder, x + record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
+    }
     sum += gain_in(m, simulated, seed, without, extra);
   }
   return refuted();
