@@ -15,12 +15,13 @@ namespace qerr {
 
 std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double spacing,
                                Eigen::Index first, Eigen::Index last) {
-  // Four cells or more in the period of the highest rate, in a number that has a fast transform.
+  // Four cells or more in the period of the highest rate, in a number that has a fast transform: some parts
+  // of a power of two, so that series of much the same length share one.
   const auto least = static_cast<std::size_t>(4 * std::max<Eigen::Index>(last, 4));
   std::size_t cells = std::bit_ceil(least);
-  for (const std::size_t eighths : {5U, 6U})
-    if (cells / 8 * eighths >= least) {
-      cells = cells / 8 * eighths;
+  for (const std::size_t part : {20U, 24U, 25U, 27U, 30U})
+    if (cells / 32 * part >= least) {
+      cells = cells / 32 * part;
       break;
     }
   const double cells_per_unit = spacing * static_cast<double>(cells) / (2 * std::numbers::pi);
