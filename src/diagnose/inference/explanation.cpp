@@ -118,7 +118,7 @@ constexpr double log_likelihood_tolerance = 1e-3;  ///< log-likelihood gain at w
 
 /// Gain that a whole step promises below which none is tried: near the rounding of the likelihood no length
 /// of a step raises it.
-constexpr double least_promised_gain = 1e-6;
+constexpr double least_promised_gain = 1e-9;
 
 constexpr int most_newton_steps = 60;
 
