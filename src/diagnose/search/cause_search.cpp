@@ -75,7 +75,6 @@ class CauseSearch {
   FoundCauses found() {
     if (samples_.size() < fewest_samples) return at_rest(record_, history_.names);
     history_.worth = history_.worth_of_shapes = material * record_.step();
-    scan_error();
     for (int pass = 0; pass < most_passes; ++pass) {
       rebuild();
       if (!learn(pass == 0)) break;
@@ -184,21 +183,17 @@ class CauseSearch {
     return changed;
   }
 
-  /// Scans the error itself, in which no terms that imitate an event hide it.
-  void scan_error() {
-    const ErrorModel none(record_, samples_, {}, {}, {}, excess_);
-    scan_residual(none, none.residual({}, none.fit({})), scanned_);
-  }
-
-  /// Scans the residual. Tables are left out, which would absorb what a scan is to find.
+  /// Scans the residual; at first also the error itself, in which terms that imitate an event do not hide it.
+  /// Tables are left out, which would absorb what a scan is to find.
   bool scan(bool first) {
-    // A scan does not depend on the mean: that of the error has been made.
+    const bool any = first && scan_residual(*model_, model_->residual({}, model_->fit({})), scanned_);
+    // A scan does not depend on the mean.
     const auto is_constant = [&](std::size_t g) { return model_->term(g).constant; };
-    if (first && std::all_of(choice_.chosen.begin(), choice_.chosen.end(), is_constant)) return false;
+    if (first && std::all_of(choice_.chosen.begin(), choice_.chosen.end(), is_constant)) return any;
     LinearModel::Set curves;
     for (const std::size_t g : choice_.chosen)
       if (!model_->is_table(g)) curves.push_back(g);
-    return scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_);
+    return scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_) || any;
   }
 
   /// Orders whose whole number the record does not establish are named no more: they are free ones.

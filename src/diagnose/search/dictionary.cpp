@@ -245,13 +245,10 @@ class Candidates {
     if (has_family(t.effect.type)) return;
     const double duration = e_.time[e_.rows() - 1];
     // Of an approach that the scan of events has found it is that, where it begins with the record: between
-    // those of a series it would lose to the approach alone. One of more than twice the record is a straight
-    // line, which has no name.
-    const double longest = 2 * duration;
+    // those of a series it would lose to the approach alone.
     std::vector<double> found = scanned_.time_constants;
-    for (const Event& event : scanned_.events)
-      if (event.time_constant < longest) found.push_back(event.time_constant);
-    for (const double shape : joined(found, series(duration / 100, longest, time_constants))) {
+    for (const Event& event : scanned_.events) found.push_back(event.time_constant);
+    for (const double shape : joined(found, series(duration / 100, 2 * duration, time_constants))) {
       const auto at = [&](const Sampling&) { return t.reshaped(e_, t, shape); };
       add(history(t.effect.type, shape, at), t.effect.type, time_constants,
           [original, shape](const Sampling& s) {
