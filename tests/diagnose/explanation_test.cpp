@@ -225,7 +225,7 @@ TEST(Search, FindsAConstantErrorAtRest) {
   e.velocity = e.direction = Eigen::ArrayXd::Zero(e.rows());
   const FoundCauses found = search_causes(e, 1);
   ASSERT_EQ(found.chosen.size(), 1u);
-  EXPECT_EQ(found.chosen[0].candidate.term.effect.type, "offset");
+  EXPECT_EQ(found.chosen[0].candidate.term->effect.type, "offset");
   EXPECT_NEAR(found.chosen[0].coefficients[0], 6.59 * step, 1e-12);
 }
 

@@ -62,6 +62,35 @@ TEST(WeightedGram, IsThatOfAllRows) {
             1e-11 * static_cast<double>(rows));
 }
 
+TEST(LinearModel, SearchesThatMeetEndTogether) {
+  Dice dice(4);
+  const Eigen::Index rows = 200, count = 6;
+  Eigen::MatrixXd columns(rows, count);
+  for (double& x : columns.reshaped()) x = dice.between(-1, 1);
+  Eigen::VectorXd y = 2 * columns.col(1) - columns.col(4);
+  for (double& x : y) x += dice.between(-0.1, 0.1);
+  const LinearModel model(columns, y, Eigen::VectorXd::Ones(rows), 0);
+  std::vector<ColumnGroup> groups;
+  for (Eigen::Index i = 0; i < count; ++i)
+    groups.push_back({.first = i, .count = 1, .family = static_cast<int>(i), .price = 5});
+  std::vector<LinearModel::Set> seen;
+  LinearModel::Set end = model.search(groups, {}, 0, rows, 1e-9, seen);
+  std::sort(end.begin(), end.end());
+  EXPECT_EQ(end, (LinearModel::Set{1, 4}));
+  // From a set that the first search has passed, the second one goes no further; from any other, to its end.
+  EXPECT_EQ(model.search(groups, {}, 0, rows, 1e-9, seen), LinearModel::Set{});
+  LinearModel::Set other = model.search(groups, {0, 4}, 0, rows, 1e-9, seen);
+  std::sort(other.begin(), other.end());
+  EXPECT_EQ(other, end);
+}
+
+TEST(Bump, IsThatOfTheResidual) {
+  const Eigen::ArrayXd place = Eigen::ArrayXd::LinSpaced(4000, -2, 3), weight = 2 + place.sin();
+  const Bump b = strongest_bump((-0.5 * ((place - 0.7) / 0.1).square()).exp() - 0.1, weight, place);
+  EXPECT_NEAR(b.position, 0.7, 0.002);
+  EXPECT_NEAR(b.width, 0.1, 0.002);
+}
+
 TEST(Transitions, AreThoseOfTheResidual) {
   const Eigen::ArrayXd time = Eigen::ArrayXd::LinSpaced(5000, 0, 50), weight = 2 + time.sin();
   Event ramp{.time = 21};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/solve.hpp"
@@ -34,7 +35,7 @@ constexpr Eigen::Index most_blocks = 64;  ///< of the variance inflation (conven
 
 }  // namespace
 
-Explanation::Explanation(const Evidence& e) : evidence_(&e) {
+Explanation::Explanation(const Evidence& e, std::vector<Term> terms) : evidence_(&e) {
   const double below = below_reading(e.encoder);
   intervals_.lower = e.measured - below * e.step() - e.path;
   intervals_.upper = intervals_.lower + e.step();
@@ -45,6 +46,7 @@ Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   const double residual_noise = std::max(e.path_noise, 1e-3 * e.step());
   relative_.setOnes(e.rows());
   if (e.random_sigma.size() > 0) relative_ = (1 + (e.random_sigma / residual_noise).square()).sqrt();
+  for (Term& t : terms) add(std::move(t));
   fit();
 }
 
@@ -113,6 +115,11 @@ double Explanation::variance_inflation(const Eigen::ArrayXXd& columns) const {
 namespace {
 
 constexpr double log_likelihood_tolerance = 1e-3;  ///< log-likelihood gain at which the iteration ends
+
+/// Gain that a whole step promises below which none is tried: near the rounding of the likelihood no length
+/// of a step raises it.
+constexpr double least_promised_gain = 1e-9;
+
 constexpr int most_newton_steps = 60;
 
 }  // namespace
@@ -165,6 +172,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
     normal.diagonal().array() += 1e-10;
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n + 1);
     step.head(free) = scale.asDiagonal() * solve_symmetric(normal, scale.asDiagonal() * gradient.head(free));
+    if (0.5 * step.head(free).dot(gradient.head(free)) < least_promised_gain) break;
     const double before = likelihood_.log_likelihood;
     bool better = false;
     for (double length = 1; length > 1e-4 && !better; length /= 3) {

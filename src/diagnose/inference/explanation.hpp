@@ -23,7 +23,7 @@ Eigen::MatrixXd weighted_square(const Eigen::MatrixXd& columns, const Eigen::Arr
 /// readings (interval_likelihood.hpp), in which quantization is exact at any speed.
 class Explanation {
  public:
-  explicit Explanation(const Evidence&);
+  explicit Explanation(const Evidence&, std::vector<Term> = {});
 
   void add(Term);
   void remove(std::size_t term);

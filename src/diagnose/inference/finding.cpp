@@ -61,17 +61,15 @@ double time_of_step(const Sampling& s, double time, const Eigen::ArrayXd& others
 
 /// The fit with its steps between the rows of the record where they are.
 Explanation with_timed_steps(const Sampling& s, Explanation m) {
-  const std::vector<Term> terms = m.terms();
-  if (std::ranges::none_of(terms, [](const Term& t) { return t.step && t.named(); })) return m;
-  Explanation timed(s.evidence);
-  for (std::size_t i = 0; i < terms.size(); ++i) {
-    const Term& t = terms[i];
-    const Eigen::ArrayXd others = m.addition() - addition(t, m.coefficients(i));
-    timed.add(t.step && t.named() ? step_term(s.evidence, time_of_step(s, t.effect.number("time"), others))
-                                  : t);
-  }
-  timed.fit();
-  return timed;
+  const auto is_timed = [](const Term& t) { return t.step && t.named(); };
+  std::vector<Term> terms = m.terms();
+  if (std::ranges::none_of(terms, is_timed)) return m;
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    if (is_timed(terms[i])) {
+      const Eigen::ArrayXd others = m.addition() - addition(terms[i], m.coefficients(i));
+      terms[i] = step_term(s.evidence, time_of_step(s, terms[i].effect.number("time"), others));
+    }
+  return Explanation(s.evidence, std::move(terms));
 }
 
 /// The fit with time constants at the maximum of its likelihood, as their intervals have it: the search ends
@@ -96,9 +94,7 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
       const double by = wider.coefficients(terms.size() + s)[0], most = 0.5 * t.half_width;
       t = t.reshaped(e, t, t.shape + std::clamp(by, -most, most));
     }
-    Explanation next(e);
-    for (Term& t : terms) next.add(std::move(t));
-    next.fit();
+    Explanation next(e, std::move(terms));
     const double better = next.log_likelihood() - m.log_likelihood();
     if (better > 0) m = std::move(next);
     if (!(better > enough)) break;
@@ -109,17 +105,17 @@ Explanation with_fitted_shapes(const Evidence& e, Explanation m) {
 }  // namespace
 
 Selection selection_of(const Sampling& sampling, const FoundCauses& found) {
-  Selection s{Explanation(sampling.evidence), {}, {}, {}};
+  std::vector<Term> terms;
+  for (const ChosenTerm& c : found.chosen) terms.push_back(c.candidate.over(sampling));
+  Explanation fitted(sampling.evidence, std::move(terms));
+  Selection s{
+      with_fitted_shapes(sampling.evidence, with_timed_steps(sampling, std::move(fitted))), {}, {}, {}};
   for (const ChosenTerm& c : found.chosen) {
-    s.model.add(c.candidate.over(sampling));
     s.p_values.push_back(c.p_value);
     s.lost.push_back(c.lost);
   }
   for (const Replacement& r : found.replacements)
-    s.alternatives.push_back({r.instead_of, r.candidate.term.effect});
-  if (found.chosen.empty()) return s;
-  s.model.fit();
-  s.model = with_fitted_shapes(sampling.evidence, with_timed_steps(sampling, std::move(s.model)));
+    s.alternatives.push_back({r.instead_of, r.candidate.term->effect});
   return s;
 }
 
@@ -172,7 +168,7 @@ bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint
 
 bool has_names(const FoundCauses& found) {
   return std::any_of(found.chosen.begin(), found.chosen.end(),
-                     [](const ChosenTerm& c) { return c.candidate.term.named(); });
+                     [](const ChosenTerm& c) { return c.candidate.term->named(); });
 }
 
 void drop(FoundCauses& found, std::size_t term) {
@@ -186,7 +182,7 @@ void drop(FoundCauses& found, std::size_t term) {
 std::size_t least_name(const FoundCauses& found) {
   std::size_t least = found.chosen.size();
   for (std::size_t i = 0; i < found.chosen.size(); ++i)
-    if (found.chosen[i].candidate.term.named() &&
+    if (found.chosen[i].candidate.term->named() &&
         (least == found.chosen.size() || found.chosen[i].lost < found.chosen[least].lost))
       least = i;
   return least;
@@ -233,7 +229,7 @@ double mean_of_edges(const Evidence& e, const Explanation& m, const Scatter& s) 
 bool drop_small_orders(FoundCauses& found, double size) {
   bool any = false;
   for (std::size_t i = found.chosen.size(); i-- > 0;)
-    if (found.chosen[i].candidate.term.harmonic && found.chosen[i].rms < size) drop(found, i), any = true;
+    if (found.chosen[i].candidate.term->harmonic && found.chosen[i].rms < size) drop(found, i), any = true;
   return any;
 }
 
@@ -253,7 +249,7 @@ std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCau
   constexpr double as_much = 1.01;
   for (const Replacement& r : found.replacements) {
     // Less than half a period needs no offset beside it, and is none the likelier for that.
-    const Term& t = r.candidate.term;
+    const Term& t = *r.candidate.term;
     if (t.harmonic && periods_covered(t.effect, sampling.evidence) < distinct_periods) continue;
     FoundCauses other = found;
     other.chosen[r.instead_of].candidate = r.candidate;
@@ -305,8 +301,8 @@ std::vector<RowGroup> rows_within(const Evidence& record, const FoundCauses& fou
                                   std::vector<RowGroup> all) {
   std::vector<Effect> effects;
   for (const ChosenTerm& c : found.chosen)
-    if (c.candidate.term.named() && effect_kind(c.candidate.term.effect.type).stage == Stage::clock)
-      c.candidate.term.fill(effects.emplace_back(c.candidate.term.effect), c.coefficients);
+    if (c.candidate.term->named() && effect_kind(c.candidate.term->effect.type).stage == Stage::clock)
+      c.candidate.term->fill(effects.emplace_back(c.candidate.term->effect), c.coefficients);
   if (effects.empty() || !record.ordered) return all;
   const auto within = reads_within(record, effects, record.time);
   std::vector<RowGroup> some;
@@ -422,7 +418,7 @@ bool has_reversed_effort(const Evidence& e, std::uint64_t seed) {
   if (line.slope >= 0 || line.residual_rms > worth_a_search * standard_deviation(error)) return false;
   const std::vector<ChosenTerm> chosen = search_causes(e, seed).chosen;
   return std::any_of(chosen.begin(), chosen.end(), [](const ChosenTerm& c) {
-    return c.candidate.term.effect.type == compliance_effect().name && c.coefficients[0] < 0;
+    return c.candidate.term->effect.type == compliance_effect().name && c.coefficients[0] < 0;
   });
 }
 

@@ -157,21 +157,20 @@ Explanation simulated_fit(const Sampling& s, const Explanation& model) {
   Eigen::ArrayXd constant = added;
   for (std::size_t i = 0; i < at.size(); ++i)
     if (columns[i].cols() > 0) constant -= (columns[i].matrix() * at[i]).array();
-  Explanation fitted(e);
+  std::vector<Term> terms;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Term& t = model.terms()[i];
     if (!t.named()) {
-      fitted.add(t);
+      terms.push_back(t);
       continue;
     }
     Term simulated = with_columns(t, columns[i]);
     simulated.fixed = constant;
     simulated.reshaped = t.reshaped;  // its interval is as wide as if it were fitted, too
     constant = {};
-    fitted.add(std::move(simulated));
+    terms.push_back(std::move(simulated));
   }
-  fitted.fit();
-  return fitted;
+  return Explanation(e, std::move(terms));
 }
 
 std::optional<std::size_t> needless_term(const Explanation& model) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -41,8 +42,8 @@ FoundCauses at_rest(const Evidence& record, bool with_names) {
   };
   FoundCauses found;
   ChosenTerm offset;
-  offset.candidate.term = constant(record);
-  offset.candidate.family = offset.candidate.term.effect.type;
+  offset.candidate.term = std::make_shared<const Term>(constant(record));
+  offset.candidate.family = offset.candidate.term->effect.type;
   offset.candidate.over = [constant](const Sampling& s) { return constant(s.evidence); };
   offset.coefficients = Eigen::VectorXd::Constant(1, mean);
   offset.p_value = 0;
@@ -285,7 +286,7 @@ bool same_term_type(const Term& a, const Term& b) {
 bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::size_t candidate) {
   const Candidate& c = m.candidate(candidate);
   const std::size_t replaced = choice.chosen[i];
-  if (!c.term.named() || same_term_type(c.term, m.term(replaced))) return false;
+  if (!c.term->named() || same_term_type(*c.term, m.term(replaced))) return false;
   return std::none_of(choice.chosen.begin(), choice.chosen.end(),
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });
 }
@@ -398,12 +399,12 @@ ChosenTerm chosen_term(const ErrorModel& m, const Choice& choice, std::size_t i)
   const double lost = m.lost_without(choice, i), independent = m.rows() / choice.correlation;
   const double free = std::max(1.0, independent - static_cast<double>(choice.fit.coefficients.size()));
   ChosenTerm c{m.candidate(choice.chosen[i]), m.coefficients(choice.chosen, choice.fit, i)};
-  const auto d = static_cast<double>(c.candidate.term.size());
+  const auto d = static_cast<double>(c.candidate.term->size());
   c.p_value = std::min(1.0, fisher_f_tail(lost / d / m.scale(choice), d, free) * c.candidate.alternatives *
                                 static_cast<double>(m.candidates().size()));
   c.lost = lost / m.weight().sum();
-  const Eigen::ArrayXd added = addition(c.candidate.term, c.coefficients);
-  c.rms = c.candidate.term.constant ? std::abs(added.mean()) : standard_deviation(added);
+  const Eigen::ArrayXd added = addition(*c.candidate.term, c.coefficients);
+  c.rms = c.candidate.term->constant ? std::abs(added.mean()) : standard_deviation(added);
   return c;
 }
 

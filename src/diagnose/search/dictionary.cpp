@@ -43,18 +43,19 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-using Histories = std::map<std::pair<std::string, double>, Term>;
+using Histories = std::map<std::pair<std::string, double>, std::shared_ptr<const Term>>;
 using Shapes = std::map<std::string, std::vector<double>>;
 
 class Candidates {
  public:
   Candidates(const Sampling& s, const Scanned& scanned, const std::vector<Addition>& displacing,
-             Histories& histories, Shapes& shapes)
+             Histories& histories, std::map<double, bool>& driven, Shapes& shapes)
       : s_(s),
         e_(s.evidence),
         scanned_(scanned),
         displacing_(displacing),
         histories_(histories),
+        driven_(driven),
         shapes_(shapes),
         clocks_(clocks_of(e_, scanned)) {
     for (const Effect& clock : clocks_)
@@ -77,8 +78,13 @@ class Candidates {
 
  private:
   void add(Term t, std::string family, double alternatives, std::function<Term(const Sampling&)> over) {
-    t = searchable(std::move(t));
-    if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
+    add(std::make_shared<const Term>(searchable(std::move(t))), std::move(family), alternatives,
+        std::move(over));
+  }
+
+  void add(std::shared_ptr<const Term> t, std::string family, double alternatives,
+           std::function<Term(const Sampling&)> over) {
+    if (t->columns.rows() == 0 || !t->columns.isFinite().all()) return;
     found_.push_back(
         {std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, false, std::move(over)});
   }
@@ -97,6 +103,12 @@ class Candidates {
     Term t = of(e_);
     add(std::move(t), std::move(family), alternatives,
         [of = std::move(of)](const Sampling& s) { return of(s.evidence); });
+  }
+
+  /// One that no pass changes.
+  void add_fixed(const std::string& family, double shape, double alternatives,
+                 const std::function<Term(const RecordSignals&)>& of) {
+    add_history(family, family, shape, alternatives, [of](const Sampling& s) { return of(s.evidence); });
   }
 
   void add_named() {
@@ -163,8 +175,11 @@ class Candidates {
   /// The least of some sizes that the readings drive; NaN: they drive none. They do so from one size on.
   double least_driven(std::vector<double> sizes) const {
     std::sort(sizes.begin(), sizes.end());
-    const auto least = std::partition_point(sizes.begin(), sizes.end(),
-                                            [&](double size) { return !s_.record->readings_drive(size); });
+    const auto least = std::partition_point(sizes.begin(), sizes.end(), [&](double size) {
+      const auto [place, fresh] = driven_.try_emplace(size);
+      if (fresh) place->second = s_.record->readings_drive(size);
+      return !place->second;
+    });
     return least == sizes.end() ? std::nan("") : *least;
   }
 
@@ -233,11 +248,14 @@ class Candidates {
     // those of a series it would lose to the approach alone.
     std::vector<double> found = scanned_.time_constants;
     for (const Event& event : scanned_.events) found.push_back(event.time_constant);
-    for (const double shape : joined(found, series(duration / 100, 2 * duration, time_constants)))
-      add(t.reshaped(e_, t, shape), t.effect.type, time_constants, [original, shape](const Sampling& s) {
-        const Term fresh = original(s);
-        return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
-      });
+    for (const double shape : joined(found, series(duration / 100, 2 * duration, time_constants))) {
+      const auto at = [&](const Sampling&) { return t.reshaped(e_, t, shape); };
+      add(history(t.effect.type, shape, at), t.effect.type, time_constants,
+          [original, shape](const Sampling& s) {
+            const Term fresh = original(s);
+            return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
+          });
+    }
   }
 
   /// A term with a parameter that the whole record tells.
@@ -318,7 +336,8 @@ class Candidates {
     if (!(duration > 0)) return;
     if (!e_.is_stationary())
       for (const double constant : joined(scanned_.time_constants, series(duration / 30, 2 * duration, 8)))
-        add_plain("growth", 8, [constant](const RecordSignals& s) { return growth_term(s, constant); });
+        add_fixed("growth", constant, 8,
+                  [constant](const RecordSignals& s) { return growth_term(s, constant); });
     // On one sweep at constant speed a function of time is one of the position, and so is named.
     if (is_one_sweep()) return;
     for (const Scanned::Rate& r : scanned_.lines)
@@ -339,12 +358,14 @@ class Candidates {
         return transition_term(s, event.approach_start, event.time_constant);
       });
     }
-    add_plain("time", 1, [](const RecordSignals& s) { return steady_change_term(s); });
+    add_fixed("time", 1, 1, [](const RecordSignals& s) { return steady_change_term(s); });
     for (const int degree : {2, 3, 4, 5})
-      add_plain("time", 8, [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
+      add_fixed("time", degree, 8,
+                [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
     for (const Eigen::Index knots : {10, 20, 40})
       if (e_.rows() > 8 * knots)
-        add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
+        add_fixed("time", static_cast<double>(knots), 8,
+                  [knots](const RecordSignals& s) { return time_table_term(s, knots); });
   }
 
   void add_couplings() {
@@ -379,9 +400,10 @@ class Candidates {
            !e_.is_stationary();
   }
 
-  const Term& history(const std::string& name, double shape, const std::function<Term(const Sampling&)>& of) {
+  const std::shared_ptr<const Term>& history(const std::string& name, double shape,
+                                             const std::function<Term(const Sampling&)>& of) {
     const auto [place, fresh] = histories_.try_emplace({name, shape});
-    if (fresh) place->second = of(s_);
+    if (fresh) place->second = std::make_shared<const Term>(searchable(of(s_)));
     return place->second;
   }
 
@@ -400,7 +422,7 @@ class Candidates {
       const auto over = [travel, clocks = clocks_](const Sampling& s) {
         return friction_term(s, PathAsRead(*s.record, clocks).of_all_rows(), travel);
       };
-      const Term& both = history("friction" + read_late_, travel, over);
+      const Term& both = *history("friction" + read_late_, travel, over);
       const Eigen::Index told = both.columns.col(1).square().sum() > few_samples ? 2 : 1;
       const auto told_of = [told](Term t) {
         t.columns.conservativeResize(Eigen::NoChange, told);
@@ -416,7 +438,7 @@ class Candidates {
     for (const double constant : series(duration / 300, duration / 10, constants))
       add_history("relaxation", "settling", constant, 2 * constants,
                   [constant](const Sampling& s) { return settling_term(s, constant); });
-    add_plain("speed", 1, [](const RecordSignals& s) { return speed_term(s); });
+    add_fixed("speed", 0, 1, [](const RecordSignals& s) { return speed_term(s); });
     if (e_.counted && e_.path_noise < e_.step())
       add_history("states", "states", 0, 1, [](const Sampling& s) { return state_pattern_term(s); });
   }
@@ -430,11 +452,12 @@ class Candidates {
                 [p](const RecordSignals& s) { return bump_term(s, p.position, p.width); });
     }
     for (const int degree : {2, 3, 4, 5})
-      add_plain("position", 8,
+      add_fixed("position", degree, 8,
                 [degree](const RecordSignals& s) { return position_polynomial_term(s, degree); });
     for (const Eigen::Index knots : {10, 26})
       if (e_.rows() > 8 * knots)
-        add_plain("position", 8, [knots](const RecordSignals& s) { return position_table_term(s, knots); });
+        add_fixed("position", static_cast<double>(knots), 8,
+                  [knots](const RecordSignals& s) { return position_table_term(s, knots); });
   }
 
   const Sampling& s_;
@@ -442,6 +465,7 @@ class Candidates {
   const Scanned& scanned_;
   const std::vector<Addition>& displacing_;
   Histories& histories_;
+  std::map<double, bool>& driven_;
   Shapes& shapes_;
   std::vector<Effect> clocks_;  ///< that the previous pass has found
   std::string read_late_;       ///< their sizes
@@ -474,7 +498,7 @@ Term searchable(Term t) {
 
 std::vector<Candidate> Dictionary::candidates(const Scanned& scanned,
                                               const std::vector<Addition>& displacing) {
-  return Candidates(*sampling_, scanned, displacing, histories_, shapes_).all();
+  return Candidates(*sampling_, scanned, displacing, histories_, driven_, shapes_).all();
 }
 
 std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {

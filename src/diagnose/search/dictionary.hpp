@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,11 +15,11 @@ namespace qerr {
 
 /// A possible part of an encoder's error.
 struct Candidate {
-  Term term;                   ///< its columns over the samples
-  std::string family;          ///< a model has at most one member of a family
-  double alternatives = 1;     ///< size of the family, for the price of the choice
-  double least = 0, most = 0;  ///< range of its coefficient in which the columns hold; 0, 0: any
-  std::size_t scanned = 0;     ///< number of its event or place in the list of what scans have found
+  std::shared_ptr<const Term> term;  ///< its columns over the samples
+  std::string family;                ///< a model has at most one member of a family
+  double alternatives = 1;           ///< size of the family, for the price of the choice
+  double least = 0, most = 0;        ///< range of its coefficient in which the columns hold; 0, 0: any
+  std::size_t scanned = 0;           ///< number of its event or place in the list of what scans have found
   /// The record covers so little of its period that a search chooses it only in the place of a curve without
   /// a name: it may be what a chosen term imitates.
   bool replaces_only = false;
@@ -63,9 +64,10 @@ class Dictionary {
 
  private:
   const Sampling* sampling_;
-  /// Columns that depend on the history of the whole record, by family and shape: they are the same in every
-  /// pass.
-  std::map<std::pair<std::string, double>, Term> histories_;
+  /// Columns that depend on the history of the whole record or on the samples alone, by family and shape:
+  /// they are the same in every pass.
+  std::map<std::pair<std::string, double>, std::shared_ptr<const Term>> histories_;
+  std::map<double, bool> driven_;  ///< whether the readings drive a hysteresis of this size
   /// Parameters that the whole record tells, by effect: the same in every pass, too.
   std::map<std::string, std::vector<double>> shapes_;
 };

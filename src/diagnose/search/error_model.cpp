@@ -34,7 +34,11 @@ ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std:
       base_(record.encoder.zero_known ? 0 : 1) {
   list_groups();
   weigh(events, clocks);
-  linear_.emplace(columns_, samples.error.matrix(), weight_.matrix(), base_);
+  const Eigen::MatrixXd base = Eigen::MatrixXd::Ones(samples.size(), base_);
+  Columns columns = columns_of(base);
+  for (const Candidate& c : candidates_)
+    for (Eigen::Index i = 0; i < c.term->size(); ++i) columns.push_back(c.term->columns.col(i).data());
+  linear_.emplace(columns, samples.error.matrix(), weight_.matrix(), base_);
   floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
 }
 
@@ -53,18 +57,14 @@ void ErrorModel::list_groups() {
   std::vector<std::string> families;
   for (const Candidate& c : candidates_) {
     ColumnGroup g;
-    g.first = count, g.count = c.term.size();
-    g.positive = c.term.positive, g.least = c.least, g.most = c.most;
+    g.first = count, g.count = c.term->size();
+    g.positive = c.term->positive, g.least = c.least, g.most = c.most;
     const auto known = std::find(families.begin(), families.end(), c.family);
     g.family = static_cast<int>(known - families.begin());
     if (known == families.end()) families.push_back(c.family);
     groups_.push_back(g);
     count += g.count;
   }
-  columns_.resize(samples_->size(), count);
-  columns_.leftCols(base_).setOnes();
-  for (std::size_t i = 0; i < candidates_.size(); ++i)
-    columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
 }
 
 Eigen::ArrayXd ErrorModel::weights(const ErrorSamples& s) const {
@@ -103,6 +103,16 @@ void ErrorModel::price(double independent, double worth, double worth_of_shapes)
   }
 }
 
+LinearModel::Set ErrorModel::search(const std::vector<LinearModel::Set>& starts, double independent) const {
+  std::vector<LinearModel::Set> ends, seen;
+  for (const LinearModel::Set& start : starts)
+    ends.push_back(linear_->search(groups_, start, 0, independent, floor_, seen));
+  return *std::min_element(ends.begin(), ends.end(),
+                           [&](const LinearModel::Set& a, const LinearModel::Set& b) {
+                             return criterion(a, independent) < criterion(b, independent);
+                           });
+}
+
 double ErrorModel::criterion(const LinearModel::Set& set, double independent) const {
   return linear_->criterion(groups_, set, fit(set).rss, independent, floor_);
 }
@@ -110,11 +120,11 @@ double ErrorModel::criterion(const LinearModel::Set& set, double independent) co
 Eigen::MatrixXd ErrorModel::columns(const LinearModel::Set& set) const {
   Eigen::Index count = base_;
   for (const std::size_t g : set) count += groups_[g].count;
-  Eigen::MatrixXd c(columns_.rows(), count);
-  c.leftCols(base_) = columns_.leftCols(base_);
+  Eigen::MatrixXd c(samples_->size(), count);
+  c.leftCols(base_).setOnes();
   Eigen::Index at = base_;
   for (const std::size_t g : set) {
-    c.middleCols(at, groups_[g].count) = columns_.middleCols(groups_[g].first, groups_[g].count);
+    c.middleCols(at, groups_[g].count) = term(g).columns.matrix();
     at += groups_[g].count;
   }
   return c;

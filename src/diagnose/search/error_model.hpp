@@ -52,7 +52,7 @@ class ErrorModel {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Candidate& candidate(std::size_t i) const { return candidates_[i]; }
-  const Term& term(std::size_t i) const { return candidates_[i].term; }
+  const Term& term(std::size_t i) const { return *candidates_[i].term; }
   /// Periods that the samples cover of a term with a name and an order; infinity for any other.
   double periods(std::size_t i) const;
   /// Whether it is an order above the first that a cubic would fit nearly as well.
@@ -85,8 +85,11 @@ class ErrorModel {
     return linear_->possible(groups_, set, f);
   }
   LinearModel::Set search(const LinearModel::Set& start, std::size_t locked, double independent) const {
-    return linear_->search(groups_, start, locked, independent, floor_);
+    std::vector<LinearModel::Set> seen;
+    return linear_->search(groups_, start, locked, independent, floor_, seen);
   }
+  /// The best of the sets that searches from some starts lead to.
+  LinearModel::Set search(const std::vector<LinearModel::Set>& starts, double independent) const;
   double criterion(const LinearModel::Set&, double independent) const;
 
   /// Base columns, then those of a set's groups in their order.
@@ -122,7 +125,6 @@ class ErrorModel {
   std::vector<Candidate> candidates_;
   std::vector<ColumnGroup> groups_;
   Eigen::Index base_;
-  Eigen::MatrixXd columns_;
   Eigen::ArrayXd weight_;
   std::optional<LinearModel> linear_;
 };

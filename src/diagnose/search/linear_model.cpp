@@ -53,9 +53,20 @@ Eigen::VectorXd solve_upper(const Eigen::MatrixXd& r, const Eigen::VectorXd& b) 
 
 }  // namespace
 
+Columns columns_of(const Eigen::MatrixXd& matrix) {
+  Columns columns;
+  for (Eigen::Index i = 0; i < matrix.cols(); ++i) columns.push_back(matrix.col(i).data());
+  return columns;
+}
+
 Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
                               const Eigen::VectorXd& weight) {
-  const Eigen::Index rows = columns.rows(), count = columns.cols();
+  return weighted_gram(columns_of(columns), y, weight);
+}
+
+Eigen::MatrixXd weighted_gram(const Columns& columns, const Eigen::VectorXd& y,
+                              const Eigen::VectorXd& weight) {
+  const Eigen::Index rows = y.size(), count = static_cast<Eigen::Index>(columns.size());
   const auto whole = [](Eigen::Index n, std::size_t of) {
     const auto step = static_cast<Eigen::Index>(of);
     return (n + step - 1) / step * step;
@@ -65,7 +76,9 @@ Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::Vecto
   z.bottomRows(z.rows() - rows).setZero();
   z.rightCols(z.cols() - count - 2).setZero();
   const Eigen::VectorXd root = weight.cwiseSqrt();
-  for (Eigen::Index i = 0; i < count; ++i) z.col(i).head(rows) = root.cwiseProduct(columns.col(i));
+  for (Eigen::Index i = 0; i < count; ++i)
+    z.col(i).head(rows) =
+        root.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(columns[static_cast<std::size_t>(i)], rows));
   z.col(count).head(rows) = root.cwiseProduct(y);
   z.col(count + 1).head(rows) = root;
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(z.cols(), z.cols());
@@ -87,10 +100,10 @@ Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::Vecto
   return lower.topLeftCorner(count + 2, count + 2).selfadjointView<Eigen::Lower>();
 }
 
-LinearModel::LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
-                         const Eigen::VectorXd& weight, Eigen::Index base)
+LinearModel::LinearModel(const Columns& columns, const Eigen::VectorXd& y, const Eigen::VectorXd& weight,
+                         Eigen::Index base)
     : rows_(static_cast<double>((weight.array() > 0).count())), base_(base) {
-  const Eigen::Index count = columns.cols();
+  const auto count = static_cast<Eigen::Index>(columns.size());
   const Eigen::MatrixXd all = weighted_gram(columns, y, weight);
   scale_ = all.diagonal().head(count).cwiseSqrt();
   for (double& s : scale_) s = s > 0 ? 1 / s : 0;
@@ -208,10 +221,14 @@ bool LinearModel::possible_beside(const std::vector<ColumnGroup>& groups, const 
 }
 
 LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set set, std::size_t locked,
-                                     double n, double floor) const {
+                                     double n, double floor, std::vector<Set>& seen) const {
   const auto value_of = [&](const Set& s, double rss) { return criterion(groups, s, rss, n, floor); };
   double present = value_of(set, fit(groups, set).rss);
   for (int round = 0; round < most_moves; ++round) {
+    Set ascending = set;
+    std::sort(ascending.begin(), ascending.end());
+    if (std::find(seen.begin(), seen.end(), ascending) != seen.end()) break;
+    seen.push_back(std::move(ascending));
     Set best;
     double least = present - 1e-6, fitted = present;
     bool moved = false;

@@ -5,7 +5,13 @@
 
 namespace qerr {
 
+/// The first element of each of some columns, which their owner keeps.
+using Columns = std::vector<const double*>;
+
+Columns columns_of(const Eigen::MatrixXd&);
+
 /// Z^T W Z of Z = [columns, y, 1] and the weights' diagonal matrix W.
+Eigen::MatrixXd weighted_gram(const Columns&, const Eigen::VectorXd& y, const Eigen::VectorXd& weight);
 Eigen::MatrixXd weighted_gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
                               const Eigen::VectorXd& weight);
 
@@ -29,12 +35,14 @@ struct ColumnGroup {
 /// lower R. All comparisons use one Gram matrix of the columns.
 class LinearModel {
  public:
-  /// @param columns  rows x columns, without weights
+  /// @param columns  without weights
   /// @param y        rows
   /// @param weight   1/variance of each row; 0: not used
   /// @param base     columns 0 .. base - 1 are part of every model
+  LinearModel(const Columns&, const Eigen::VectorXd& y, const Eigen::VectorXd& weight, Eigen::Index base);
   LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y, const Eigen::VectorXd& weight,
-              Eigen::Index base);
+              Eigen::Index base)
+      : LinearModel(columns_of(columns), y, weight, base) {}
 
   struct Fit {
     Eigen::VectorXd coefficients;  ///< of the base, then of the groups in their order
@@ -51,7 +59,11 @@ class LinearModel {
   /// @param locked  the first groups of `start` that no move removes
   /// @param n       independent rows
   /// @param floor   of s^2
-  Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor) const;
+  /// @param seen    sets that searches of these groups at these prices have passed, in ascending order: at
+  /// one
+  ///   of them this search ends, because its end is known
+  Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor,
+             std::vector<Set>& seen) const;
 
   double criterion(const std::vector<ColumnGroup>&, const Set&, double rss, double n, double floor) const;
 

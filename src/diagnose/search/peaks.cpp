@@ -15,8 +15,15 @@ namespace qerr {
 
 std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double spacing,
                                Eigen::Index first, Eigen::Index last) {
-  // Four cells or more in the period of the highest rate.
-  const auto cells = std::bit_ceil(static_cast<std::size_t>(4 * std::max<Eigen::Index>(last, 4)));
+  // Four cells or more in the period of the highest rate, in a number that has a fast transform: some parts
+  // of a power of two, so that series of much the same length share one.
+  const auto least = static_cast<std::size_t>(4 * std::max<Eigen::Index>(last, 4));
+  std::size_t cells = std::bit_ceil(least);
+  for (const std::size_t part : {20U, 24U, 25U, 27U, 30U})
+    if (cells / 32 * part >= least) {
+      cells = cells / 32 * part;
+      break;
+    }
   const double cells_per_unit = spacing * static_cast<double>(cells) / (2 * std::numbers::pi);
   std::vector<float> grid(cells, 0.0F);
   for (Eigen::Index k = 0; k < score.size(); ++k) {
@@ -107,15 +114,6 @@ Eigen::Index strongest_step(const Eigen::ArrayXd& residual, const Eigen::ArrayXd
     if (gain > best) best = gain, first = k;
   }
   return first;
-}
-
-/// Decrease of the weighted sum of squares by a column beside a constant.
-double gain_beside_constant(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
-                            const Eigen::ArrayXd& column) {
-  const double all = weight.sum(), mean = (column * weight).sum() / all;
-  const Eigen::ArrayXd centred = column - mean;
-  const double power = (centred.square() * weight).sum();
-  return power > 0 ? std::pow((centred * weight * residual).sum(), 2) / power : 0;
 }
 
 /// Weighted means of consecutive samples, some 2000 of them: enough to find a shape among many.
@@ -245,10 +243,19 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
       low + range / bins * Eigen::ArrayXd::LinSpaced(bins, 0.5, static_cast<double>(bins) - 0.5);
   // A bump between the samples would have any height, and a wide one is a curve.
   const double least_inside = 8 * weight.sum() / static_cast<double>(weight.size());
+  constexpr double none = 8.5;  // standard deviations beyond which it is below half a unit in the last place
+  const double all = weights[bins], mean = sums[bins] / all;
+  const auto bin_of = [&](double x) {
+    return static_cast<Eigen::Index>(std::clamp((x - low) / range, 0.0, 1.0) * bins);
+  };
   const auto gain_of = [&](double centre, double width) {
-    const Eigen::ArrayXd shape = (-0.5 * ((centres - centre) / width).square()).exp();
-    const bool is_bump = width < range / 6 && (each * shape.square()).sum() > least_inside;
-    return is_bump ? gain_beside_constant(means, each, shape) : 0;
+    if (!(width < range / 6)) return 0.0;
+    const Eigen::Index first = bin_of(centre - none * width), count = bin_of(centre + none * width) - first;
+    const Eigen::ArrayXd shape = (-0.5 * ((centres.segment(first, count) - centre) / width).square()).exp(),
+                         inside = each.segment(first, count) * shape;
+    const double squares = (inside * shape).sum(), sum = inside.sum(), power = squares - sum * sum / all;
+    if (!(squares > least_inside && power > 0)) return 0.0;
+    return std::pow((inside * (means.segment(first, count) - mean)).sum(), 2) / power;
   };
   gain = gain_of(best.position, best.width);
   if (gain == 0) return {};

@@ -431,9 +431,9 @@ double gain_in(const ErrorModel& m, const Evidence& simulated, std::uint64_t see
   return (model.fit(groups, without).rss - model.fit(groups, with).rss) * m.weight().sum() / weight.sum();
 }
 
-/// Mean decrease of the weighted sum of squares by a candidate in simulations of a model without it.
-double expected_gain(const ErrorModel& m, const LinearModel::Set& without, const LinearModel::Fit& f,
-                     std::size_t extra, std::uint64_t seed) {
+/// Whether a candidate gains as much in simulations of a model without it as it does in the record.
+bool gains_without(const ErrorModel& m, const LinearModel::Set& without, const LinearModel::Fit& f,
+                   std::size_t extra, double lost, std::uint64_t seed) {
   const Evidence& record = m.record();
   std::vector<RowGroup> rows;
   for (Eigen::Index k = 0; k < record.rows(); ++k) rows.push_back({k, k + 1});
@@ -441,17 +441,27 @@ double expected_gain(const ErrorModel& m, const LinearModel::Set& without, const
   Eigen::ArrayXd added = Eigen::ArrayXd::Constant(record.rows(), m.base() > 0 ? f.coefficients[0] : 0);
   for (std::size_t i = 0; i < without.size(); ++i)
     added += addition(searchable(m.candidate(without[i]).over(every)), m.coefficients(without, f, i));
+  const auto d = static_cast<double>(m.term(extra).size());
   double sum = 0;
+  const auto refuted = [&] {
+    return fisher_f_tail(lost * draws / std::max(sum, 1e-300), d, draws * d) >= rounding_refuted;
+  };
   Evidence simulated = record;
-  for (int draw = 0; draw < draws; ++draw) {
+  // Noise matters where an edge is within its reach: no number by Box and Muller is beyond sqrt(2 ln 2^53).
+  const double reach = 8.6 * record.path_noise;
+  // What the first draws refute the others, which add to the sum, refute, too.
+  for (int draw = 0; draw < draws && !refuted(); ++draw) {
     const std::uint64_t stream = stream_seed(seed, "surrogate", static_cast<std::uint64_t>(draw));
-    for (Eigen::Index k = 0; k < record.rows(); ++k)
-      simulated.measured[k] =
-          quantize(record.encoder, record.path[k] + added[k] +
-                                       record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
+    for (Eigen::Index k = 0; k < record.rows(); ++k) {
+      const double x = record.path[k] + added[k], low = quantize(record.encoder, x - reach);
+      simulated.measured[k] = low;
+      if (quantize(record.encoder, x + reach) != low)
+        simulated.measured[k] =
+            quantize(record.encoder, x + record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
+    }
     sum += gain_in(m, simulated, seed, without, extra);
   }
-  return sum / draws;
+  return refuted();
 }
 
 }  // namespace
@@ -465,9 +475,7 @@ std::vector<std::string> brought_by_rounding(const ErrorModel& m, const Choice& 
     const double lost = rest.rss - choice.fit.rss;
     // Rounding alone does not bring more than a count.
     if (lost > m.weight().sum() * m.record().step() * m.record().step()) continue;
-    const double expected = expected_gain(m, without, rest, choice.chosen[i], seed);
-    const auto d = static_cast<double>(m.term(choice.chosen[i]).size());
-    if (fisher_f_tail(lost / std::max(expected, 1e-300), d, draws * d) >= rounding_refuted)
+    if (gains_without(m, without, rest, choice.chosen[i], lost, seed))
       families.push_back(m.candidate(choice.chosen[i]).family);
   }
   return families;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnose/record/with_effects.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 #include "effect/effects/effects.hpp"
 
 namespace qerr {
@@ -100,16 +101,12 @@ LinearModel::Set leading_names(const ErrorModel& m, const LinearModel::Set& name
 /// @param names  receives the best named terms
 LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, double independent,
                                 LinearModel::Set& names) {
-  const auto better = [&](LinearModel::Set a, LinearModel::Set b) {
-    return m.criterion(a, independent) <= m.criterion(b, independent) ? a : b;
-  };
   m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
   allow(m, history, [&](std::size_t i) { return m.term(i).named(); });
-  names = better(m.search(previous(m, history), 0, independent), m.search({}, 0, independent));
+  names = m.search({previous(m, history), {}}, independent);
   m.price(independent, history.worth, history.worth_of_shapes);
   allow(m, history, [](std::size_t) { return true; });
-  LinearModel::Set best = better(m.search(names, 0, independent), m.search({}, 0, independent));
-  if (!history.found.empty()) best = better(std::move(best), m.search(previous(m, history), 0, independent));
+  const LinearModel::Set best = m.search({names, {}, previous(m, history)}, independent);
   // Names alone that leave nothing need not be worth more than the curves that do.
   m.price(independent, history.worth_of_shapes, history.worth_of_shapes);
   const double duration = m.sampled().ordered ? m.sampled().time.maxCoeff() : 0;
@@ -301,8 +298,8 @@ class Refinement {
     }
   }
 
-  /// The travel of the friction that leaves least beside what is no hysteresis, between neighbours at half
-  /// the previous ratio. A play may stand for one whose travel the series has not met.
+  /// The travel of the friction that leaves least beside what is no hysteresis, by smaller and smaller
+  /// factors from the best of the series on. A play may stand for one whose travel the series has not met.
   void refine_travel() {
     // The first is about the root of the ratio of the dictionary's series.
     constexpr double first = 1.8, fine = 1.03;
@@ -315,25 +312,35 @@ class Refinement {
       if (!here && !term(i).hysteresis) others.push_back(choice_.chosen[i]);
     }
     if (others.size() == choice_.chosen.size() || (!friction && m_.is_complete(choice_.chosen))) return;
+    const Eigen::MatrixXd beside = m_.columns(others);
     others.push_back(0);
     double least = std::numeric_limits<double>::infinity(), best = 0;
+    Eigen::Index told = 0;  // columns
     for (std::size_t g = 0; g < m_.candidates().size(); ++g) {
       const auto travel = travels(m_.term(g));
       if (travel == m_.term(g).effect.numbers.end()) continue;
       others.back() = g;
       if (const LinearModel::Fit f = m_.fit(others); f.regular && f.rss < least)
-        least = f.rss, best = travel->second;
+        least = f.rss, best = travel->second, told = m_.group(g).count;
     }
     if (best == 0) return;
+    const Eigen::ArrayXd path = PathAsRead(m_.record(), clocks_of(m_.sampled(), scanned_)).of_all_rows();
+    for (double ratio = first; ratio > fine; ratio = std::sqrt(ratio))
+      for (const double travel : {best * ratio, best / ratio}) {
+        Eigen::MatrixXd columns(beside.rows(), beside.cols() + told);
+        columns << beside, friction_term(m_.samples().sampling, path, travel).columns.leftCols(told).matrix();
+        const LinearModel linear(columns, m_.samples().error.matrix(), m_.weight().matrix(), columns.cols());
+        if (const LinearModel::Fit f = linear.fit({}, {}); f.regular && f.rss < least)
+          least = f.rss, best = travel;
+      }
     const std::vector<double>& before = scanned_.travels;
-    const double ratio = before.empty() ? first : std::max(fine, std::sqrt(before[0] / before[1]));
-    next.travels = {ratio * best, best, best / ratio};
-    changed_ |= ratio > fine;
+    next.travels = {fine * best, best, best / fine};
+    changed_ |= before.empty() || std::abs(std::log(best / before[1])) > std::log(fine);
   }
 
   /// Keeps what a term of a scan needs to be found again.
   void keep(const Candidate& c) {
-    const Term& t = c.term;
+    const Term& t = *c.term;
     const auto add = [](auto& list, const auto& item, auto value) {
       if (std::none_of(list.begin(), list.end(),
                        [&](const auto& other) { return value(other) == value(item); }))

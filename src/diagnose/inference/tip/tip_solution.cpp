@@ -27,9 +27,13 @@ double log_likelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& kn
 
 /// Uphill in sigma, by smaller and smaller factors. Each move raises the likelihood, so that no sigma comes
 /// back, and by the range of doubles a factor has finitely many: the first, 4, some thousand; each further
-/// one goes between two neighbours of its predecessor.
+/// one goes between two neighbours of its predecessor. Where not even the last factor goes uphill, as from
+/// the sigma of a model that hardly differs, none does.
 double climb(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma, double least) {
+  constexpr double last = 1.0055;
   double best = log_likelihood(residual, known, sigma);
+  const auto is_uphill = [&](double to) { return to >= least && log_likelihood(residual, known, to) > best; };
+  if (!is_uphill(sigma * last) && !is_uphill(sigma / last)) return sigma;
   for (double factor = 4; factor > 1.005; factor = std::sqrt(factor))
     for (const double by : {1 / factor, factor})
       while (sigma * by >= least) {

@@ -434,6 +434,7 @@ void add_loads(Sanity& s) {
   constexpr Eigen::Index most_rows =
       1 << 18;  // of paths beside references, which would double the memory of longer records
   const bool referenced = is(LogSignal::reference);
+  if (!has_masses(s.model.chain)) return;
   if (referenced ? s.log.values.rows() > most_rows : !is(LogSignal::tip)) return;
   const bool ordered = s.log.has_time();
   JointPaths paths = ordered ? joint_paths(s) : paths_of_readings(s);
