@@ -116,6 +116,35 @@ TEST(SmoothPath, HasTheVelocityOfThirteenRowsAPeriod) {
   EXPECT_LT(rms((s.velocity - r.velocity).segment(5, inside)), 1e-3 * rms(r.velocity));
 }
 
+/// Forth and back at a constant speed.
+std::pair<double, double> triangle(double t) {
+  const double s = std::fmod(t, 2.0);
+  return s < 1 ? std::pair{0.01 * s, 0.01} : std::pair{0.01 * (2 - s), -0.01};
+}
+
+TEST(SmoothPath, KeepsTheCornersOfAMotion) {
+  std::mt19937 dice(8);
+  const RecordedPath r(dice, 8000, 1000, 0, 3e-5, 1e-9, triangle);
+  const SmoothPath s = smooth_path(r.time, r.recorded, 1e-9);
+  EXPECT_LT(rms(s.position - r.path), 0.35 * r.noise);
+  EXPECT_LT((s.position - r.path).abs().maxCoeff(), 4.5 * r.noise);
+}
+
+TEST(SmoothPath, OfFewRowsIsAsSmooth) {
+  std::mt19937 dice(9);
+  for (int i = 0; i < 40; ++i) {
+    const RecordedPath r(dice, 600, 1000, 0, 1e-3, 1e-9, two_sines);
+    EXPECT_LT(smooth_path(r.time, r.recorded, 1e-9).residual_noise, 0.4 * r.noise);
+  }
+}
+
+TEST(SmoothPath, InSectionsHasLessNoiseThanInWindows) {
+  std::mt19937 dice(10);
+  const RecordedPath r(dice, 8000, 1000, 0, 3e-5, 1e-9, triangle);
+  const SmoothPath s = smooth_path(r.time, r.recorded, 1e-9);
+  EXPECT_LT(rms(sectioned_path(r.time, r.recorded, s.position, s.noise) - r.path), 0.15 * r.noise);
+}
+
 TEST(SmoothPath, IsTheSameAtAnInstantFromWhateverRowTheSearchBegins) {
   std::mt19937 dice(6);
   const auto sine = [](double t) { return std::pair{std::sin(3 * t), 3 * std::cos(3 * t)}; };

@@ -10,6 +10,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/report/analysis.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/write.hpp"
 

@@ -200,6 +200,36 @@ std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
   return std::nullopt;
 }
 
+/// Whether zero is in the intervals of all parameters that a term's coefficients scale: unlike phases and
+/// time constants, those are what the term adds.
+bool holds_zero(const Term& t, const Eigen::VectorXd& coefficients,
+                const std::vector<FoundParameter>& found) {
+  Effect twice = t.effect;
+  t.fill(twice, 2 * coefficients);
+  bool any = false;
+  for (const FoundParameter& p : found) {
+    if (!(std::abs(p.value) > 0) || std::abs(twice.number(p.name) - 2 * p.value) > 1e-6 * std::abs(p.value))
+      continue;
+    if (p.lower > 0 || p.upper < 0) return false;
+    any = true;
+  }
+  return any;
+}
+
+/// A named term of which the fit says no more than that it may be nothing. Of several, the one with the least
+/// effect. An exponential that hardly bends in the record has an amplitude as uncertain as its time constant,
+/// and is no less certain for that.
+std::optional<std::size_t> unestablished_term(const Evidence& e, const Explanation& m) {
+  const auto parameters = found_parameters(e, m);
+  std::optional<std::size_t> least;
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (m.terms()[i].named() && shape_name(m.terms()[i]).empty() &&
+        holds_zero(m.terms()[i], m.coefficients(i), parameters[i]) &&
+        (!least || size_of(m, i) < size_of(m, *least)))
+      least = i;
+  return least;
+}
+
 double largest_unnamed(const Explanation& m) {
   double largest = 0;
   for (std::size_t i = 0; i < m.terms().size(); ++i)
@@ -316,11 +346,15 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   auto f = std::make_unique<Finding>();
   FoundCauses found = search_causes(record, seed);
   f->sampling.emplace(record, rows_within(record, found, independent_rows(record, seed, enough_rows)));
+  const auto refuted_term = [&] {
+    const Explanation& m = f->selection->model;
+    const auto impossible = impossible_term(m, record.step());
+    return impossible ? impossible : unestablished_term(f->evidence(), m);
+  };
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
-    while (const auto impossible =
-               impossible_term(f->selection->model, record.step())) {  // of finitely many terms
-      drop(found, *impossible);
+    while (const auto refuted = refuted_term()) {  // of finitely many terms
+      drop(found, *refuted);
       f->selection.emplace(selection_of(*f->sampling, found));
     }
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));

@@ -102,15 +102,27 @@ std::vector<Eigen::ArrayXd*> series_of(Evidence& e) {
           &e.direction, &e.joint_path, &e.joint_velocity, &e.effort, &e.temperature, &e.random_sigma};
 }
 
+double shared_rows(const Evidence& e) {
+  if (!e.ordered || !(e.path_noise > 0) || !(e.noise > e.path_noise)) return 1;
+  return std::pow(e.noise / e.path_noise, 2);
+}
+
+Eigen::ArrayXd path_without_noise(const Evidence& e) {
+  constexpr double negligible = 0.05;  // counts
+  if (!e.ordered || e.path_noise < negligible * e.step()) return e.path;
+  return sectioned_path(e.time, e.reference, e.path, e.noise);
+}
+
 std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
   // Noise alone must not separate rows.
   const double distinct = std::max(3 * e.path_noise, 0.05 * e.step());
   const bool sided = e.ordered && (e.direction != 0).any();
+  const Eigen::ArrayXd path = path_without_noise(e);
   std::vector<RowGroup> all;
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
-    if (k == e.rows() || e.measured[k] != e.measured[first] ||
-        std::abs(e.path[k] - e.path[first]) > distinct || e.direction[k] != e.direction[first]) {
+    if (k == e.rows() || e.measured[k] != e.measured[first] || std::abs(path[k] - path[first]) > distinct ||
+        e.direction[k] != e.direction[first]) {
       // While a motor crosses the play, the reading does not tell where the joint is.
       if (!sided || e.direction[first] != 0) all.push_back({first, k});
       first = k;
@@ -174,7 +186,9 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   e.joint = model.chain.independent[encoder].name;
   e.number = number;
   e.prismatic = model.chain.independent[encoder].prismatic();
-  e.ordered = time.size() > 0 && !is_static(e.reference, e.encoder.resolution);
+  // The differences of a reference's noise have nothing in common either: of poses, readings jump as well.
+  e.ordered = time.size() > 0 &&
+              !(is_static(e.reference, e.encoder.resolution) && is_static(e.measured, e.encoder.resolution));
   if (e.ordered) {
     e.time = time;
     e.interval = time[time.size() - 1] / static_cast<double>(time.size());

@@ -82,6 +82,7 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
     return groups;
   }
   const double still = std::max(resting * e.step(), 4 * e.path_noise);
+  const Eigen::ArrayXd path = path_without_noise(e);
   for (Eigen::Index k = 0; k < n;) {
     if (k + 1 < n && e.measured[k] != e.measured[k + 1]) {
       const bool one_edge = std::abs(e.measured[k + 1] - e.measured[k]) < 1.5 * e.step();
@@ -90,9 +91,9 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
       continue;
     }
     Eigen::Index end = k + 1;
-    double low = e.path[k], high = e.path[k];
+    double low = path[k], high = path[k];
     while (end < n && e.measured[end] == e.measured[k]) {
-      low = std::min(low, e.path[end]), high = std::max(high, e.path[end]);
+      low = std::min(low, path[end]), high = std::max(high, path[end]);
       ++end;
     }
     // The last row of the run belongs to the edge that ends it.
@@ -102,20 +103,35 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
   return groups;
 }
 
+/// Of every sample, how many others share the noise of its path.
+Eigen::ArrayXd neighbours(const Evidence& record, const Eigen::ArrayXd& time) {
+  const double reach = 0.5 * shared_rows(record) * record.interval;
+  Eigen::ArrayXd count = Eigen::ArrayXd::Zero(time.size());
+  if (!(shared_rows(record) > 1)) return count;
+  for (Eigen::Index i = 0, first = 0, end = 0; i < time.size(); ++i) {
+    while (time[first] < time[i] - reach) ++first;
+    while (end < time.size() && time[end] <= time[i] + reach) ++end;
+    count[i] = static_cast<double>(end - first - 1);
+  }
+  return count;
+}
+
 }  // namespace
 
 ErrorSamples error_samples(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
-  ErrorSamples s{Sampling(e, drawn(sample_groups(e), seed, most)), {}, {}};
+  ErrorSamples s{Sampling(e, drawn(sample_groups(e), seed, most)), {}, {}, {}};
   const Evidence& sampled = s.sampling.evidence;
   const double step = e.step();
   s.error = sampled.measured - sampled.path + (0.5 - below_reading(e.encoder)) * step;
   s.variance.resize(sampled.rows());
+  s.shared = neighbours(e, sampled.time) * e.path_noise * e.path_noise;
   for (Eigen::Index i = 0; i < sampled.rows(); ++i) {
     const RowGroup& g = s.sampling.groups[static_cast<std::size_t>(i)];
     const bool edge = e.measured[g.first] != e.measured[g.end - 1];
     const double moved = (e.path[g.end - 1] - e.path[g.first]) / step;
     const double rounding = edge ? std::min(moved * moved, 1.0) / 12 : 1.0 / 12;
     const double averaged = edge ? 2 : 1;
+    s.shared[i] /= averaged;
     s.variance[i] = rounding * step * step + e.path_noise * e.path_noise / averaged;
     if (sampled.random_sigma.size() > 0) s.variance[i] += std::pow(sampled.random_sigma[i], 2) / averaged;
   }

@@ -57,6 +57,10 @@ struct ErrorSamples {
   Sampling sampling;
   Eigen::ArrayXd error;     ///< encoder - path, less the mean of the rounding [rad or m]
   Eigen::ArrayXd variance;  ///< of quantization, residual noise of the path and random effects of the spec
+  /// What the residual noise of the path adds to the variance of a sum of neighbouring samples beyond that of
+  /// independent ones, per sample: smoothing lowers the variance of a row by sharing it among rows, and what
+  /// is slow has the noise of the reference as it was before. See shared_rows.
+  Eigen::ArrayXd shared;
 
   Eigen::Index size() const { return error.size(); }
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/solve.hpp"
@@ -25,6 +26,14 @@ constexpr double normal_median = 0.6745;
 
 /// Excess of the residual over the noise at which the window distorts the path (convention).
 constexpr double distorted = 1.06;
+
+/// The same with few rows, where the noise itself is an estimate: three of its standard deviations. A median
+/// absolute deviation has 1/sqrt(0.74 n), and as neighbouring differences of fourth order share samples, of n
+/// rows n/2.6 count.
+double distorted_of(Eigen::Index rows) {
+  return std::max(distorted,
+                  1 + 3 * std::sqrt(2.6 / (0.74 * static_cast<double>(std::min(rows, enough_rows)))));
+}
 
 /// Distance of the rows that are used of a long record.
 Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
@@ -183,16 +192,18 @@ class Window {
   }
 
   /// Position and its derivatives at every row. At the ends a fit would be one-sided: there the position is
-  /// the recorded one.
-  SmoothPath path(double noise) const {
+  /// the recorded one. Where a corner of the motion distorts this window and hardly any other, the row has
+  /// the widest of the narrower ones that agrees with those narrower still (Lepski 1991).
+  /// @param narrower  ascending
+  SmoothPath path(double noise, const std::vector<Window>& narrower) const {
     const bool smoothed = !is_line();  // a line through three samples hardly reduces noise
     // A curvature of three samples would be noise.
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
-    Eigen::VectorXd window(2 * h_ + 1);
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
-      const FitWeights& here = fit(k, own);
-      window = window_at(k);
+      const Window& w = smoothed ? undistorted(k, noise, narrower) : *this;
+      const FitWeights& here = w.fit(k, own);
+      const Eigen::VectorXd window = w.window_at(k);
       out.velocity[k] = here.slope.dot(window);
       if (!smoothed) continue;
       out.acceleration[k] = here.curvature.dot(window);
@@ -203,6 +214,28 @@ class Window {
   }
 
  private:
+  /// This window, or at a row that it distorts one that agrees with all narrower ones: of nested fits the
+  /// difference has the difference of their variances as its own, of which four deviations are exceeded in
+  /// 6e-5 of the rows.
+  const Window& undistorted(Eigen::Index k, double noise, const std::vector<Window>& narrower) const {
+    constexpr double deviations = 4;
+    if (first(k) != k - h_) return *this;
+    const auto at = [&](const Window& w) {
+      std::optional<FitWeights> own;
+      return w.fit(k, own).value.dot(w.window_at(k));
+    };
+    const Window* best = this;
+    double value = at(*this);
+    for (std::size_t i = narrower.size(); i-- > 0;) {
+      const Window& w = narrower[i];
+      if (w.is_line()) break;
+      const double own = at(w), variance = std::pow(w.noise_gain(), 2) - std::pow(best->noise_gain(), 2);
+      if (std::abs(own - value) > deviations * noise * std::sqrt(std::max(0.0, variance)))
+        best = &w, value = own;
+    }
+    return *best;
+  }
+
   const FitWeights& fit(Eigen::Index k, std::optional<FitWeights>& own) const {
     const double width = 2 * static_cast<double>(h_) * interval_;
     if (first(k) == k - h_ && std::abs(time_[k + h_] - time_[k - h_] - width) < 1e-3 * interval_)
@@ -305,21 +338,77 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
                        bool smooth_rates) {
   const Eigen::Index n = recorded.size();
   if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), {}, 0, 0};
-  const double noise = noise_of_path(time, recorded, log_resolution);
+  const double differences = noise_of_path(time, recorded, log_resolution);
   const double interval = common_interval(time);
-  std::optional<Window> widest;
+  // The least of several estimates is low; what a window leaves that distorts nothing is a better one.
+  double noise = differences;
+  std::vector<Window> windows;
   bool fast = !smooth_rates && interval > 0;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
     Window next(time, recorded, h, interval);
-    if (widest && next.residual_noise() > distorted * noise) break;
-    if (widest && !widest->is_line() && next.distorts(*widest, noise)) break;
-    fast = fast && !widest;
-    widest.emplace(std::move(next));
+    if (!windows.empty()) {
+      const double left = next.residual_noise();
+      if (left > distorted_of(n) * differences) break;
+      if (!windows.back().is_line() && next.distorts(windows.back(), noise)) break;
+      noise = std::max(noise, left);
+    }
+    fast = fast && windows.empty();
+    windows.push_back(std::move(next));
   }
-  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), {}, noise, noise};
-  if (fast) return with_interpolated_rates(time, recorded, interval, *widest, noise);
-  return widest->path(noise);
+  if (windows.empty()) return {recorded, Eigen::ArrayXd::Zero(n), {}, noise, noise};
+  const Window widest = std::move(windows.back());
+  windows.pop_back();
+  if (fast) return with_interpolated_rates(time, recorded, interval, widest, noise);
+  return widest.path(noise, windows);
+}
+
+namespace {
+
+/// Whether a residual is no more than white noise, nor its means over `rows_of_mean` rows, which show less of
+/// a distortion: both within four standard deviations of a sum of squares.
+bool is_noise(const Eigen::ArrayXd& residual, double noise) {
+  constexpr Eigen::Index rows_of_mean = 16;
+  const auto exceeds = [](double squares, double variance, Eigen::Index count) {
+    return squares >
+           variance * (static_cast<double>(count) + 4 * std::sqrt(2.0 * static_cast<double>(count)));
+  };
+  const Eigen::Index means = residual.size() / rows_of_mean;
+  double of_means = 0;
+  for (Eigen::Index i = 0; i < means; ++i)
+    of_means += std::pow(residual.segment(i * rows_of_mean, rows_of_mean).mean(), 2);
+  return !exceeds(residual.square().sum(), noise * noise, residual.size()) &&
+         !exceeds(of_means, noise * noise / rows_of_mean, means);
+}
+
+}  // namespace
+
+Eigen::ArrayXd sectioned_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
+                              const Eigen::ArrayXd& smooth, double noise) {
+  constexpr Eigen::Index least = 32;  // rows: fewer than those of the widest windows have no less noise
+  Eigen::ArrayXd path = smooth;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> sections{{0, recorded.size()}};  // first row, rows
+  while (!sections.empty()) {  // halves of halves, of finitely many rows
+    const auto [first, rows] = sections.back();
+    sections.pop_back();
+    if (rows < least) continue;
+    const Eigen::ArrayXd t = time.segment(first, rows), x = recorded.segment(first, rows);
+    const double half = 0.5 * (t[rows - 1] - t[0]);
+    if (!(half > 0)) continue;
+    const Eigen::ArrayXd u = (t - t[0]) / half - 1;
+    Eigen::MatrixXd powers(rows, 4);
+    powers << Eigen::VectorXd::Ones(rows), u.matrix(), u.square().matrix(), u.cube().matrix();
+    const Eigen::VectorXd from_first = (x - x[0]).matrix();
+    const Eigen::ArrayXd fitted =
+        (powers * solve_symmetric(powers.transpose() * powers, powers.transpose() * from_first)).array();
+    if (is_noise(from_first.array() - fitted, noise)) {
+      path.segment(first, rows) = x[0] + fitted;
+      continue;
+    }
+    sections.emplace_back(first, rows / 2);
+    sections.emplace_back(first + rows / 2, rows - rows / 2);
+  }
+  return path;
 }
 
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold) {

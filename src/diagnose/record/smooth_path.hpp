@@ -25,6 +25,14 @@ struct SmoothPath {
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution,
                        bool smooth_rates = false);
 
+/// The path by cubics over sections of the record, each the longest of halves of halves that leaves no more
+/// than noise. Where the motion is even it has less noise than any window, but corners where sections meet:
+/// what an encoder reads along it has the beats of its rounding, which the noise of a window would blur.
+/// @param smooth  what sections of few rows have
+/// @param noise   of the recorded values [unit]
+Eigen::ArrayXd sectioned_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
+                              const Eigen::ArrayXd& smooth, double noise);
+
 /// The path at any instant: cubic between its rows; beyond its ends it keeps the acceleration that it had
 /// over as long a time before them.
 /// @param time  increasing [s]

@@ -165,7 +165,7 @@ class CauseSearch {
     const double middle = median({speed.begin(), speed.end()});
     const Eigen::ArrayXd fast = used * (speed > middle).cast<double>(), slow = used - fast;
     const double apart = mean(speed, fast) - mean(speed, slow);
-    if (choice_.correlation < 1.5 && apart > 0) {
+    if (!choice_.structured && apart > 0) {
       now.per_speed = std::max(0.0, (mean(squares, fast) - mean(squares, slow)) / apart);
       now.constant = std::max(0.0, mean(squares, slow) - now.per_speed * mean(speed, slow));
     }

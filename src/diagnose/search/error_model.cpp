@@ -166,6 +166,8 @@ double ErrorModel::mean_of_used(const Eigen::ArrayXd& x) const {
   return (weight_ > 0).select(x, 0.0).sum() / rows();
 }
 
+double ErrorModel::correlation() const { return 1 + mean_of_used(samples_->shared * weight_); }
+
 double ErrorModel::scale(const Choice& choice) const {
   return std::max(choice.fit.rss / rows(), floor_) * choice.correlation;
 }

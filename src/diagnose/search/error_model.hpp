@@ -30,11 +30,12 @@ struct ExcessVariance {
 /// A set of an error model's candidates and the regression on them.
 struct Choice {
   LinearModel::Set chosen;
-  LinearModel::Set richest;  ///< found as if all samples were independent
+  LinearModel::Set richest;  ///< found as if samples shared no more than the path's noise
   LinearModel::Set named;    ///< the best of named terms alone
   LinearModel::Fit fit;      ///< of the chosen ones
   Eigen::ArrayXd residual;   ///< that they leave
   double correlation = 1;    ///< integrated autocorrelation of what the richest set leaves
+  bool structured = false;   ///< it is more than that of the path's noise
 };
 
 /// Weighted regression of an encoder's error samples on the candidates of a dictionary.
@@ -63,6 +64,9 @@ class ErrorModel {
   Eigen::Index base() const { return base_; }
   const Eigen::ArrayXd& weight() const { return weight_; }
   double rows() const { return linear_->rows(); }
+  /// Integrated autocorrelation of the samples' known variance: of the path's noise, which smoothing shares
+  /// among neighbours.
+  double correlation() const;
 
   /// Least variance of a residual, in units of the weights.
   double floor() const { return floor_; }

@@ -319,7 +319,7 @@ bool fits_anywhere(const ErrorModel& m, const Choice& c, std::size_t i) {
   constexpr Eigen::Index shifts = 40, fewest = 10;
   const Term& t = m.term(c.chosen[i]);
   const Evidence& e = m.sampled();
-  if (!t.named() || t.constant || t.step || t.reshaped || !e.ordered || c.correlation < 1.5) return false;
+  if (!t.named() || t.constant || t.step || t.reshaped || !e.ordered || !c.structured) return false;
   const Eigen::Index n = e.rows();
   const Eigen::ArrayXd target = c.residual + addition(t, m.coefficients(c.chosen, c.fit, i));
   const double gain = m.gain(t, target);
@@ -352,7 +352,7 @@ bool is_ahead_of_time(const ErrorModel& m, const Choice& c, std::size_t i) {
     const Term& other = m.term(g);
     return !other.named() && (is_guessed(other.pattern) || other.pattern == Shape::unknown);
   });
-  return guessed || (c.correlation >= 1.5 && !m.is_complete(c.chosen));
+  return guessed || (c.structured && !m.is_complete(c.chosen));
 }
 
 }  // namespace
@@ -371,7 +371,7 @@ std::vector<std::string> outweighed(const ErrorModel& m, const Choice& c) {
   // Of the names that explained less, in 660 generated logs of one to three causes, 29 of 48 were wrong.
   constexpr double least_part_of_rest = 0.2;
   constexpr double part_of_shapes = 0.5;  // from here on the curves say more of its size than the record
-  if (c.correlation < 1.5 || m.is_complete(c.chosen)) return {};
+  if (!c.structured || m.is_complete(c.chosen)) return {};
   const double rest = c.fit.rss - (m.samples().variance * m.weight()).sum();
   LinearModel::Set names;
   for (const std::size_t g : c.chosen)
@@ -431,6 +431,21 @@ double gain_in(const ErrorModel& m, const Evidence& simulated, std::uint64_t see
   return (model.fit(groups, without).rss - model.fit(groups, with).rss) * m.weight().sum() / weight.sum();
 }
 
+/// Noise as it remains in the smoothed path: means of white noise over as many rows as share it.
+Eigen::ArrayXd smoothed_noise(const Evidence& record, std::uint64_t stream) {
+  const double between =
+      record.rows() > 1 ? record.time[record.rows() - 1] / static_cast<double>(record.rows()) : 0;
+  const double shared = shared_rows(record) * (between > 0 ? record.interval / between : 1);
+  const auto width = std::max<Eigen::Index>(1, std::lround(shared));
+  Eigen::ArrayXd sums(record.rows() + width);
+  double sum = 0;
+  for (Eigen::Index k = 0; k < sums.size(); ++k)
+    sums[k] = sum += normal(stream, static_cast<std::uint64_t>(k));
+  Eigen::ArrayXd noise(record.rows());
+  for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = sums[k + width - 1] - (k > 0 ? sums[k - 1] : 0);
+  return record.path_noise / std::sqrt(static_cast<double>(width)) * noise;
+}
+
 /// Whether a candidate gains as much in simulations of a model without it as it does in the record.
 bool gains_without(const ErrorModel& m, const LinearModel::Set& without, const LinearModel::Fit& f,
                    std::size_t extra, double lost, std::uint64_t seed) {
@@ -447,18 +462,12 @@ bool gains_without(const ErrorModel& m, const LinearModel::Set& without, const L
     return fisher_f_tail(lost * draws / std::max(sum, 1e-300), d, draws * d) >= rounding_refuted;
   };
   Evidence simulated = record;
-  // Noise matters where an edge is within its reach: no number by Box and Muller is beyond sqrt(2 ln 2^53).
-  const double reach = 8.6 * record.path_noise;
+  const Eigen::ArrayXd moved = path_without_noise(record) + added;
+  for (Eigen::Index k = 0; k < record.rows(); ++k) simulated.measured[k] = quantize(record.encoder, moved[k]);
   // What the first draws refute the others, which add to the sum, refute, too.
   for (int draw = 0; draw < draws && !refuted(); ++draw) {
     const std::uint64_t stream = stream_seed(seed, "surrogate", static_cast<std::uint64_t>(draw));
-    for (Eigen::Index k = 0; k < record.rows(); ++k) {
-      const double x = record.path[k] + added[k], low = quantize(record.encoder, x - reach);
-      simulated.measured[k] = low;
-      if (quantize(record.encoder, x + reach) != low)
-        simulated.measured[k] =
-            quantize(record.encoder, x + record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
-    }
+    simulated.path = record.path + smoothed_noise(record, stream);
     sum += gain_in(m, simulated, seed, without, extra);
   }
   return refuted();

@@ -127,12 +127,12 @@ LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, dou
 
 Choice choose_terms(ErrorModel& m, const ChoiceHistory& history) {
   Choice c;
-  c.richest = best_of_starts(m, history, m.rows(), c.named);
+  const double known = m.correlation();
+  c.richest = best_of_starts(m, history, m.rows() / known, c.named);
   const Eigen::ArrayXd residual = m.residual(c.richest, m.fit(c.richest)) * m.weight().sqrt();
-  c.correlation = m.sampled().ordered ? integrated_correlation(residual) : 1;
-  c.chosen = !m.sampled().ordered || c.correlation < 1.5
-                 ? c.richest
-                 : best_of_starts(m, history, m.rows() / c.correlation, c.named);
+  c.correlation = m.sampled().ordered ? std::max(known, integrated_correlation(residual)) : 1;
+  c.structured = c.correlation >= 1.5 * known;
+  c.chosen = !c.structured ? c.richest : best_of_starts(m, history, m.rows() / c.correlation, c.named);
   c.fit = m.fit(c.chosen);
   c.residual = m.residual(c.chosen, c.fit);
   return c;

@@ -16,8 +16,9 @@ struct ChoiceHistory {
   double worth = 0, worth_of_shapes = 0;  ///< ErrorModel::price
 };
 
-/// The set of least criterion. Searches twice: the first time as if all samples were independent, for the
-/// residual of the richest model, whose autocorrelation gives the number of independent samples.
+/// The set of least criterion. Searches twice: the first time as if samples shared no more than their path's
+/// noise, for the residual of the richest model, whose autocorrelation gives the number of independent
+/// samples.
 Choice choose_terms(ErrorModel&, const ChoiceHistory&);
 
 /// Refines the shapes of chosen terms (rates, time constants, sizes of hystereses, linearizations) by a

@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/record/smooth_path.hpp"
 
 /// Sensors that do not follow the motion, always or for some time.
 namespace qerr::sanity {
@@ -122,7 +123,9 @@ Eigen::Index changes_in(const ConstantRun& run, const Eigen::ArrayXd& counts) {
 /// A stuck sensor makes up for the motion with a jump at the end of the run. After a gap in the record, or
 /// where counts are lost, it does not; a counter that goes to and fro between two counts, as one channel of a
 /// quadrature encoder makes it, has no need to: no play does that.
-double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+/// @param least  smallest difference of two values of the reference that is a motion [counts]
+double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference,
+                 double least) {
   const Eigen::Index n = counts.size();
   if (run.end - run.first < 5) return 0;
   const double moved = reference[std::min(run.end, n - 1)] - reference[run.first];
@@ -131,7 +134,8 @@ double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eig
   const double within = std::abs(reference[run.end - 1] - reference[run.first]);
   const bool catches_up = jump * moved > 0 && std::abs(jump - moved) < 0.2 * std::abs(moved) + 2;
   const bool has_end = run.end < n || run.first == 0 || run.end - run.first > n / 100;
-  const bool stuck = within >= 0.5 * missed_motion && std::abs(moved) >= missed_motion &&
+  const bool stuck = within >= std::max(0.5 * missed_motion, least) &&
+                     std::abs(moved) >= std::max(missed_motion, least) &&
                      (catches_up || changes_in(run, counts) >= fewest_changes) && has_end;
   return stuck ? std::max(std::abs(moved), within) : 0;
 }
@@ -244,12 +248,21 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   std::vector<ConstantRun> stuck;
   double missed = 0;
   ConstantRun longest{};
-  constexpr double one_count = 1.5;
-  visit_constant_runs(read->counts, one_count, [&](const ConstantRun& run) {
-    const double here = missed_in(run, read->counts, reference);
-    if (here > missed) missed = here, longest = run;
-    if (here > 0) stuck.push_back(run);
-  });
+  const auto search = [&](double least) {
+    constexpr double one_count = 1.5;
+    stuck.clear(), missed = 0;
+    visit_constant_runs(read->counts, one_count, [&](const ConstantRun& run) {
+      const double here = missed_in(run, read->counts, reference, least);
+      if (here > missed) missed = here, longest = run;
+      if (here > 0) stuck.push_back(run);
+    });
+  };
+  search(0);
+  if (missed == 0) return;
+  // Most records end above. The difference of two values has sqrt 2 times their noise, of which four
+  // deviations are exceeded in 6e-5 of the rests.
+  const Eigen::ArrayXd time = s.log.values.col(*s.log.find(LogSignal::time));
+  search(4 * std::sqrt(2.0) * noise_of_path(time, reference, 0));
   if (missed == 0) return;
   std::vector<Eigen::Index> kept;  // of a run that is stuck, the first row
   Eigen::Index k = 0;
