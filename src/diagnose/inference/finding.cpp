@@ -404,16 +404,19 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   }
   // A curve that begins at zero, such as a drift, would bend to hold the mean of displaced edges.
-  if (const double mean = mean_of_edges(f->evidence(), f->selection->model, f->scatter); mean != 0) {
+  const double mean = mean_of_edges(f->evidence(), f->selection->model, f->scatter);
+  if (mean != 0) {
     f->sampling->evidence.path += mean;
     select();
     f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   }
   const Explanation& m = f->selection->model;
-  f->simulated = simulated_readings(*f->sampling, m);
   const double unnamed = largest_unnamed(m), rounding = record.step() * record.step() / 12;
-  f->held.predicted = expected_squares(f->evidence(), m.addition(), f->scatter.expected - rounding);
   f->remainder = remainder_of(f->evidence(), m, f->scatter, unnamed);
+  f->sampling->evidence.path -= mean;  // what is left, as a figure, includes it
+  f->simulated = simulated_readings(*f->sampling, m);
+  f->held.predicted = expected_squares(f->evidence(), m.addition(), f->scatter.expected - rounding) +
+                      static_cast<double>(f->evidence().rows()) * std::pow(mean / record.step(), 2);
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
   return f;
 }
