@@ -44,8 +44,8 @@ class PathAsRead {
   Eigen::Index before_ = 0;  ///< row of the last instant
 };
 
-/// Whether one term displaces the position on which another depends: it acts before it. A shape without a name
-/// is one of the position as it is read, behind all that displaces others.
+/// Whether one term displaces the position on which another depends: it acts before it. A shape without a
+/// name is one of the position as it is read, behind all that displaces others.
 bool displaces(const Term&, const Term& other);
 /// Whether it displaces what stands behind it by more than a search notices: clock, link, play and a wrong
 /// ratio.
