@@ -200,14 +200,24 @@ class Window {
     // A curvature of three samples would be noise.
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
-    for (Eigen::Index k = 0; k < x_.size(); ++k) {
-      const Window& w = smoothed ? undistorted(k, noise, narrower) : *this;
+    Eigen::VectorXd window;
+    const auto set = [&](Eigen::Index k, const Window& w) {
       const FitWeights& here = w.fit(k, own);
-      const Eigen::VectorXd window = w.window_at(k);
+      window = w.window_at(k);
       out.velocity[k] = here.slope.dot(window);
-      if (!smoothed) continue;
+      if (!smoothed) return;
       out.acceleration[k] = here.curvature.dot(window);
-      if (first(k) == k - h_) out.position[k] += here.value.dot(window);
+      if (first(k) == k - h_) out.position[k] = x_[k] + here.value.dot(window);
+    };
+    for (Eigen::Index k = 0; k < x_.size(); ++k) set(k, *this);
+    if (smoothed && !narrower.empty()) {
+      // At a corner means of five residuals, of which noise has 0.45, are of the size of the distortion,
+      // which is more than the noise of a row before narrower windows disagree.
+      constexpr double suspicious = 0.7;
+      const Eigen::ArrayXd left = x_ - out.position;
+      for (Eigen::Index k = h_; k + h_ < x_.size(); ++k)
+        if (std::abs(left.segment<5>(k - 2).mean()) > suspicious * noise)
+          set(k, undistorted(k, noise, narrower));
     }
     if (smoothed) out.residual_noise *= noise_gain();
     return out;

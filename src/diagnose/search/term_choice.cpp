@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "diagnose/record/with_effects.hpp"
-#include "diagnose/search/unnamed_terms.hpp"
 #include "effect/effects/effects.hpp"
 
 namespace qerr {
@@ -298,8 +297,8 @@ class Refinement {
     }
   }
 
-  /// The travel of the friction that leaves least beside what is no hysteresis, by smaller and smaller
-  /// factors from the best of the series on. A play may stand for one whose travel the series has not met.
+  /// The travel of the friction that leaves least beside what is no hysteresis, between neighbours at half
+  /// the previous ratio. A play may stand for one whose travel the series has not met.
   void refine_travel() {
     // The first is about the root of the ratio of the dictionary's series.
     constexpr double first = 1.8, fine = 1.03;
@@ -312,30 +311,20 @@ class Refinement {
       if (!here && !term(i).hysteresis) others.push_back(choice_.chosen[i]);
     }
     if (others.size() == choice_.chosen.size() || (!friction && m_.is_complete(choice_.chosen))) return;
-    const Eigen::MatrixXd beside = m_.columns(others);
     others.push_back(0);
     double least = std::numeric_limits<double>::infinity(), best = 0;
-    Eigen::Index told = 0;  // columns
     for (std::size_t g = 0; g < m_.candidates().size(); ++g) {
       const auto travel = travels(m_.term(g));
       if (travel == m_.term(g).effect.numbers.end()) continue;
       others.back() = g;
       if (const LinearModel::Fit f = m_.fit(others); f.regular && f.rss < least)
-        least = f.rss, best = travel->second, told = m_.group(g).count;
+        least = f.rss, best = travel->second;
     }
     if (best == 0) return;
-    const Eigen::ArrayXd path = PathAsRead(m_.record(), clocks_of(m_.sampled(), scanned_)).of_all_rows();
-    for (double ratio = first; ratio > fine; ratio = std::sqrt(ratio))
-      for (const double travel : {best * ratio, best / ratio}) {
-        Eigen::MatrixXd columns(beside.rows(), beside.cols() + told);
-        columns << beside, friction_term(m_.samples().sampling, path, travel).columns.leftCols(told).matrix();
-        const LinearModel linear(columns, m_.samples().error.matrix(), m_.weight().matrix(), columns.cols());
-        if (const LinearModel::Fit f = linear.fit({}, {}); f.regular && f.rss < least)
-          least = f.rss, best = travel;
-      }
     const std::vector<double>& before = scanned_.travels;
-    next.travels = {fine * best, best, best / fine};
-    changed_ |= before.empty() || std::abs(std::log(best / before[1])) > std::log(fine);
+    const double ratio = before.empty() ? first : std::max(fine, std::sqrt(before[0] / before[1]));
+    next.travels = {ratio * best, best, best / ratio};
+    changed_ |= ratio > fine;
   }
 
   /// Keeps what a term of a scan needs to be found again.
