@@ -139,5 +139,32 @@ TEST(TwoCauses, ALossOfCountsDoesNotHideUnequalStates) {
   }
 }
 
+/// On one sweep at constant speed time and position are one; a loss repeats with neither, and is found soon.
+TEST(OneWay, ALossOfCountsIsFound) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Machine m = swinging(seed);
+    m.noise = 0.3 * m.resolution, m.path = 0.7 * m.time;
+    const double time = m.between(4, 8);
+    const Column losing = m.counted(m.path) - 39 * (m.time >= time).cast<double>();
+    const auto found = found_by(diagnose(model_of(m), {}, {}, log_of(m, losing)));
+    ASSERT_TRUE(found.contains("missed_counts counts")) << seed;
+    EXPECT_NEAR(found.at("missed_counts counts").value, -39, 0.5) << seed;
+    EXPECT_NEAR(found.at("missed_counts time").value, time, 1 / m.rate) << seed;
+  }
+}
+
+/// Lost counts are those of the spec, also where readings show every count twice, or some of them.
+TEST(TwoCauses, CountsAreLostBeforeTheyAreDecoded) {
+  for (const double lost : {32.0, 33.0})
+    for (const double beside : {0.0, 1.0}) {  // an odd reading, so that half counts are read
+      Machine m = swinging(1);
+      Column read = 2 * (m.counted(m.path) - lost * (m.time >= 6).cast<double>());
+      read[m.rows / 3] += beside;
+      const auto found = found_by(diagnose(model_of(m), {}, {}, log_of(m, read)));
+      ASSERT_TRUE(found.contains("missed_counts counts")) << lost;
+      EXPECT_NEAR(found.at("missed_counts counts").value, -lost, 0.5) << beside;
+    }
+}
+
 }  // namespace
 }  // namespace qerr

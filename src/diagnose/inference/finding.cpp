@@ -271,12 +271,17 @@ bool lowers_residual(const HeldOut& held) {
   return after < 0.998 * before;
 }
 
+/// Terms of a model that is fitted by simulation: each costs a simulation a coefficient and step, and a fit
+/// without it for each that turns out needless. More are a curve's table of orders, not causes.
+constexpr std::size_t most_simulated = 12;
+
 /// The causes with an alternative in the place of one of them, without those that it makes needless:
 /// harmonics and the mean of a shape are no causes of their own. Empty where none of them becomes needless,
 /// or more remains. Physics decides: what the simulation of all leaves.
 std::optional<FoundCauses> fewer_causes(const Sampling& sampling, const FoundCauses& found,
                                         const Explanation& model) {
   constexpr double as_much = 1.01;
+  if (found.chosen.size() > most_simulated) return std::nullopt;
   for (const Replacement& r : found.replacements) {
     // Less than half a period needs no offset beside it, and is none the likelier for that.
     const Term& t = *r.candidate.term;
@@ -346,15 +351,11 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   auto f = std::make_unique<Finding>();
   FoundCauses found = search_causes(record, seed);
   f->sampling.emplace(record, rows_within(record, found, independent_rows(record, seed, enough_rows)));
-  const auto refuted_term = [&] {
-    const Explanation& m = f->selection->model;
-    const auto impossible = impossible_term(m, record.step());
-    return impossible ? impossible : unestablished_term(f->evidence(), m);
-  };
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
-    while (const auto refuted = refuted_term()) {  // of finitely many terms
-      drop(found, *refuted);
+    while (const auto impossible =
+               impossible_term(f->selection->model, record.step())) {  // of finitely many terms
+      drop(found, *impossible);
       f->selection.emplace(selection_of(*f->sampling, found));
     }
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
@@ -362,7 +363,7 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   // Where the simulation of the causes leaves more than they do, or something is left, it is fitted itself.
   // Each round has one term less.
   const auto fit_by_simulation = [&] {
-    if (is_reproduced(*f->sampling, f->selection->model)) return;
+    if (found.chosen.size() > most_simulated || is_reproduced(*f->sampling, f->selection->model)) return;
     if (auto other = with_joint_shafts(*f->sampling, found, f->selection->model)) {
       found = std::move(*other);
       select();
@@ -392,6 +393,12 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   fit_by_simulation();
   if (auto fewer = fewer_causes(*f->sampling, found, f->selection->model)) {
     found = std::move(*fewer);
+    select();
+    fit_by_simulation();
+  }
+  // After the last fit: a linear one that is far off has wide intervals. Each round has one term less.
+  while (const auto unestablished = unestablished_term(f->evidence(), f->selection->model)) {
+    drop(found, *unestablished);
     select();
     fit_by_simulation();
   }

@@ -338,17 +338,20 @@ class Candidates {
       for (const double constant : joined(scanned_.time_constants, series(duration / 30, 2 * duration, 8)))
         add_fixed("growth", constant, 8,
                   [constant](const RecordSignals& s) { return growth_term(s, constant); });
-    // On one sweep at constant speed a function of time is one of the position, and so is named.
-    if (is_one_sweep()) return;
+    // On one sweep at constant speed a function of time is one of the position, and so is named; a loss of
+    // counts is none of those that repeat with it.
+    const bool one_sweep = is_one_sweep();
     for (const Scanned::Rate& r : scanned_.lines)
-      add_plain("line " + significant(r.value, 6), r.hypotheses,
-                [f = r.value](const RecordSignals& s) { return vibration_term(s, f); });
+      if (!one_sweep)
+        add_plain("line " + significant(r.value, 6), r.hypotheses,
+                  [f = r.value](const RecordSignals& s) { return vibration_term(s, f); });
     int number = 0;
     for (const Event& event : scanned_.events) {
       scanned_number_ = static_cast<std::size_t>(number);
       const std::string family = "event " + std::to_string(number++);
       add_plain(family, event.hypotheses,
                 [t = event.time](const RecordSignals& s) { return step_term(s, t); });
+      if (one_sweep) continue;
       add_plain(family, 2 * event.hypotheses,
                 [t = event.time](const RecordSignals& s) { return offset_step_term(s, t); });
       add_plain(family, 4 * event.hypotheses, [event](const RecordSignals& s) {
@@ -358,6 +361,7 @@ class Candidates {
         return transition_term(s, event.approach_start, event.time_constant);
       });
     }
+    if (one_sweep) return;
     add_fixed("time", 1, 1, [](const RecordSignals& s) { return steady_change_term(s); });
     for (const int degree : {2, 3, 4, 5})
       add_fixed("time", degree, 8,

@@ -1,6 +1,7 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>
@@ -15,6 +16,7 @@
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/verdict/cause_report.hpp"
 #include "diagnose/verdict/verdict.hpp"
+#include "effect/effects/effects.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -222,6 +224,20 @@ void add_tip(const TipDiagnosis& tip, bool joints_judged, Diagnosis& d) {
   d.warnings.insert(d.warnings.end(), tip.warnings.begin(), tip.warnings.end());
 }
 
+/// Lost counts in those of the spec, where readings were judged in the steps that a coarser or wrongly
+/// decoded counter has.
+void count_as_specified(Cause& cause, const OperationalModel& judged, const OperationalModel& specified) {
+  const std::size_t i = independent_index(judged.chain, cause.effect.joint);
+  const double per_step =
+      judged.transmission.encoders[i].resolution / specified.transmission.encoders[i].resolution;
+  if (per_step == 1) return;
+  double& counts = cause.effect.numbers.at("counts");
+  counts = std::round(counts) * per_step;
+  const double within = per_step > 1 ? 0.5 * per_step : 0;  // a step, which says no more
+  for (FoundParameter& p : cause.parameters)
+    if (p.name == "counts") p = {p.name, counts, p.lower * per_step - within, p.upper * per_step + within};
+}
+
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
@@ -268,6 +284,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
         cause.gain = of_joint;
     add(d, f, of_joint);
   }
+  for (Cause& cause : d.causes)
+    if (cause.effect.type == missed_counts_effect().name) count_as_specified(cause, sane.model, model);
   d.gain = gain(held, options.seed);
   d.check = reproduction(findings);
   for (const AlternativeCause& a : sane.alternatives)

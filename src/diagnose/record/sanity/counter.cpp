@@ -474,6 +474,10 @@ void check_stuck_bit(Sanity& s, std::size_t encoder) {
   // By chance the counts of all rows lie in one half of the remainders.
   const double by_chance = std::exp2(-static_cast<double>(read->counts.size()));
   const auto [before, after] = restore_bit(s, *read, encoder, stuck->bit, *stuck->value);
+  // Four states a line are two bits, of which the readings do not show all.
+  if (double& states = s.model.transmission.encoders[encoder].counts_per_period;
+      stuck->bit < 2 && states <= 4)
+    states = 1;
   s.causes.push_back(exact_cause(s, encoder, stuck_bit_effect().name,
                                  {{"bit", stuck->bit}, {"value", *stuck->value ? 1 : 0}}, by_chance, before,
                                  after));

@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 
 /// Positions that are recorded more coarsely than the encoder resolves them.
@@ -59,6 +60,14 @@ bool is_steady(const Eigen::ArrayXd& values, double step) {
   return static_cast<double>(same) > nearly_all * static_cast<double>(moving);
 }
 
+/// Whether the reference tells one count from the next: noise of a fifth takes 1 % of them for a neighbour.
+bool tells_single_counts(const Sanity& s, std::size_t encoder) {
+  const auto stamps = s.log.find(LogSignal::time);
+  constexpr double most_noise = 0.2;
+  return stamps && has_reference(s, encoder) &&
+         noise_of_path(s.log.values.col(*stamps), reference_in_counts(s, encoder), 0) < most_noise;
+}
+
 /// Counts that are all multiples of a number > 1 (beside a constant): a counter with fewer edges than the
 /// spec says, whose counts are divided by it.
 void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
@@ -66,7 +75,9 @@ void check_counts(Sanity& s, RecordedCounts& read, std::size_t encoder) {
   for (Eigen::Index k = 1; k < read.counts.size() && divisor != 1; ++k)
     divisor = std::gcd(divisor, std::llround(read.counts[k] - read.counts[0]));
   const auto every = static_cast<double>(divisor);
-  if (divisor == 2 && stuck_bit(direction(s.model.transmission.encoders[encoder]) * read.counts)) return;
+  if (divisor == 2 && tells_single_counts(s, encoder) &&
+      stuck_bit(direction(s.model.transmission.encoders[encoder]) * read.counts))
+    return;
   if (divisor < 2 || peak_to_peak(read.counts) < fewest_steps * every) return;
   if (is_steady(read.counts, every)) return;
   report_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * every, true);
