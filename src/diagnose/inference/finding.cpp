@@ -415,6 +415,7 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   if (mean != 0) {
     f->sampling->evidence.path += mean;
     select();
+    fit_by_simulation();
     f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   }
   const Explanation& m = f->selection->model;

@@ -103,7 +103,7 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
   return groups;
 }
 
-/// Of every sample, how many others share the noise of its path.
+/// Number of other samples that share the noise of each one's path.
 Eigen::ArrayXd neighbours(const Evidence& record, const Eigen::ArrayXd& time) {
   const double reach = 0.5 * shared_rows(record) * record.interval;
   Eigen::ArrayXd count = Eigen::ArrayXd::Zero(time.size());

@@ -27,9 +27,9 @@ constexpr double normal_median = 0.6745;
 /// Excess of the residual over the noise at which the window distorts the path (convention).
 constexpr double distorted = 1.06;
 
-/// The same with few rows, where the noise itself is an estimate: three of its standard deviations. A median
-/// absolute deviation has 1/sqrt(0.74 n), and as neighbouring differences of fourth order share samples, of n
-/// rows n/2.6 count.
+/// That excess with few rows, where the noise itself is an estimate: three of its standard deviations. A
+/// median absolute deviation has 1/sqrt(0.74 n), and as neighbouring differences of fourth order share
+/// samples, of n rows n/2.6 count.
 double distorted_of(Eigen::Index rows) {
   return std::max(distorted,
                   1 + 3 * std::sqrt(2.6 / (0.74 * static_cast<double>(std::min(rows, enough_rows)))));

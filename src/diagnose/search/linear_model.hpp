@@ -59,9 +59,8 @@ class LinearModel {
   /// @param locked  the first groups of `start` that no move removes
   /// @param n       independent rows
   /// @param floor   of s^2
-  /// @param seen    sets that searches of these groups at these prices have passed, in ascending order: at
-  /// one
-  ///   of them this search ends, because its end is known
+  /// @param seen    sets, ascending, that searches of these groups at these prices have passed; this search
+  ///                ends at one of them, because its end is known
   Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor,
              std::vector<Set>& seen) const;
 

@@ -123,8 +123,8 @@ struct StuckBit {
   std::optional<bool> value;
 };
 
-/// Of the remainders by 2^(bit + 1) one half, in a row, does not occur, and the counts leap over it: a steady
-/// motion by so many counts a row misses remainders, too.
+/// The lowest bit for which one half of the remainders by 2^(bit + 1), in a row, does not occur, and the
+/// counts leap over it: a steady motion by so many counts a row misses remainders, too.
 std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts);
 
 void check_tracker(Sanity&);
