@@ -59,8 +59,9 @@ class Decay {
     if (++count_ < length_) return false;
     count_ = 0;
     length_ += length_ / 8;
-    const bool small = motion_.close() & torque_.close();
-    quiet_ = small ? quiet_ + 1 : 0;
+    const bool still = motion_.close();
+    const bool idle = torque_.close();  // whatever the motion's block says, that of the torque ends
+    quiet_ = still && idle ? quiet_ + 1 : 0;
     return quiet_ == 2;
   }
   bool finite() const { return std::isfinite(motion_.total) && std::isfinite(torque_.total); }
@@ -204,8 +205,9 @@ class LoopRun {
       done += length;
       for (std::size_t i = 0; i < loops_of_run; ++i) {
         if (!running_[i]) continue;
-        const bool small = close(motion_, LoopRows::sums, i) & close(torque_, LoopRows::sums + 3, i);
-        quiet[i] = small ? quiet[i] + 1 : 0;
+        const bool still = close(motion_, LoopRows::sums, i);
+        const bool idle = close(torque_, LoopRows::sums + 3, i);
+        quiet[i] = still && idle ? quiet[i] + 1 : 0;
         const bool decayed = quiet[i] == 2;
         if (decayed)
           norms[i] = {norms_of(motion_, LoopRows::sums, i), norms_of(torque_, LoopRows::sums + 3, i)};

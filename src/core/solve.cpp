@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
@@ -40,6 +41,14 @@ MatrixXd least_norm_solution(const MatrixXd& a, const MatrixXd& b, std::optional
 
 MatrixXd orthonormal_basis(const MatrixXd& m) {
   return Eigen::HouseholderQR<MatrixXd>(m).householderQ() * MatrixXd::Identity(m.rows(), m.cols());
+}
+
+Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d to = axis.normalized();
+  const Eigen::Quaterniond turn(1 + to.z(), -to.y(), to.x(),
+                                0);  // twice the half angle's cosine, by z x axis
+  if (turn.squaredNorm() > 1e-30) return turn.normalized().toRotationMatrix();
+  return Eigen::Vector3d(1, -1, -1).asDiagonal();  // from z to -z, or within rounding of it
 }
 
 SymmetricEigen symmetric_eigen(const MatrixXd& m) {

@@ -42,6 +42,9 @@ Eigen::MatrixXd least_norm_solution(const Eigen::MatrixXd& a, const Eigen::Matri
 /// Orthonormal basis of the column space of a matrix with full column rank, by Householder reflections.
 Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd&);
 
+/// The rotation whose third column is the unit vector along `axis`: the shortest turn of z to it.
+Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis);
+
 struct SymmetricEigen {
   Eigen::VectorXd values;   ///< ascending
   Eigen::MatrixXd vectors;  ///< one per column, of unit length

@@ -1,14 +1,13 @@
 #include "design/filter_choice.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
 
+#include "core/solve.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/design/requirement.hpp"
@@ -290,7 +289,7 @@ class LeastNorm {
       Eigen::VectorXd b(n);
       for (Eigen::Index i = 0; i < n; ++i) b[i] = -bound(set[i]);
       g.diagonal() *= 1 + 1e-13;  // neighbouring frequencies make it nearly singular
-      const Eigen::VectorXd wanted = g.ldlt().solve(b);
+      const Eigen::VectorXd wanted = solve_symmetric(g, b);
       double step = 1;
       for (Eigen::Index i = 0; i < n; ++i) {
         const double now = multiplier(set[i]);
@@ -329,8 +328,7 @@ class Tracking {
     for (Eigen::Index k = 0; k < n_; ++k)
       for (int m = 0; m <= derivative_; ++m)
         moments(k, m) = std::pow(2 * static_cast<double>(k) / static_cast<double>(n_) - 1, m);
-    moments_ = Eigen::HouseholderQR<Eigen::MatrixXd>(moments).householderQ() *
-               Eigen::MatrixXd::Identity(n_, derivative_ + 1);
+    moments_ = orthonormal_basis(moments);
     double of_last = 0;  // the gain of slow motion of the last basis vector: sum (-k)^d/d! h_k
     for (Eigen::Index k = 0; k < n_; ++k)
       of_last += std::pow(-static_cast<double>(k), derivative_) / std::tgamma(derivative_ + 1) *

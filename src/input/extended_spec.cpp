@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/lists.hpp"
+#include "core/solve.hpp"
 #include "effect/effects/effects.hpp"
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
@@ -215,7 +216,7 @@ void state_coupling(Node& root, const Spec& spec, const std::vector<Effect>& fou
   for (const Effect& e : found)
     to_encoders(number(e.joint), number(e.choices.at("of"))) += e.number("factor");
   Node rows{Node::Type::sequence, {}, {}, false, {}, {}};
-  const Eigen::MatrixXd to_joints = to_encoders.inverse();
+  const Eigen::MatrixXd to_joints = inverse(to_encoders);
   for (Eigen::Index i = 0; i < to_joints.rows(); ++i) rows.items.push_back(list_node(to_joints.row(i)));
   set_key(root, "coupling", std::move(rows));
 }

@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/solve.hpp"
 #include "core/text.hpp"
 #include "input/text_source.hpp"
 #include "input/urdf_reader.hpp"
@@ -170,13 +171,13 @@ void split_planar_joints(RobotModel& model) {
       joints.push_back(std::move(planar));
       continue;
     }
-    const auto in_plane = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), planar.axis);
+    const Eigen::Matrix3d in_plane = frame_of_axis(planar.axis);
     std::vector<std::string>& names = parts[planar.name];
     for (int k = 0; k < 3; ++k) {
       Joint& joint = joints.emplace_back(planar);
       joint.name += planar_coordinates[k];
       joint.type = k < 2 ? JointType::prismatic : JointType::continuous;
-      if (k < 2) joint.axis = in_plane * Eigen::Vector3d::Unit(k);
+      if (k < 2) joint.axis = in_plane.col(k);
       joint.velocity_limit = joint.effort_limit = joint.stated_ratio = std::nullopt;
       if (k > 0) joint.origin = Eigen::Isometry3d::Identity(), joint.parent = names.back();
       if (k < 2) {

@@ -136,13 +136,18 @@ struct RowOf : MemberRow {
       if constexpr (may_lack) presence = Presence::nullable;
       schema = schema_of<typename std::conditional_t<may_lack, Value, std::optional<Value>>::value_type>;
       (add(details), ...);
-      value = [getter, p = presence](const void* source) -> std::optional<Json> {
-        const auto& found = std::invoke(getter, *static_cast<const Source*>(source));
-        if constexpr (may_lack)
-          return found ? std::optional(json_of(*found)) : std::nullopt;
-        else
-          return unless_empty(json_of(found), p);
+      const auto member = [getter](const void* source) -> decltype(auto) {
+        return std::invoke(getter, *static_cast<const Source*>(source));
       };
+      if constexpr (may_lack)
+        value = [member](const void* source) {
+          const auto& found = member(source);
+          return found ? std::optional(json_of(*found)) : std::nullopt;
+        };
+      else
+        value = [member, p = presence](const void* source) {
+          return unless_empty(json_of(member(source)), p);
+        };
     }
   }
 };

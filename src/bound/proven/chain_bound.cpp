@@ -5,14 +5,11 @@
 #include <functional>
 #include <queue>
 
+#include "core/solve.hpp"
+
 namespace qerr {
 
 namespace {
-
-/// A rotation whose third column is the unit vector along `axis`.
-Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
-}
 
 void add_error(ChainForm& form, const OperationalModel& model, const IndependentError& error) {
   const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/solve.hpp"
 #include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "diagnose/record/with_effects.hpp"
@@ -395,7 +396,8 @@ class Candidates {
         columns.rightCols(columns.cols() - 1).colwise().mean().eval();
     const Eigen::VectorXd error = (e_.measured - e_.path).matrix();
     const Eigen::MatrixXd normal = columns.transpose() * columns;
-    const Eigen::ArrayXd left = (error - columns * normal.ldlt().solve(columns.transpose() * error)).array();
+    const Eigen::ArrayXd left =
+        (error - columns * solve_symmetric(normal, columns.transpose() * error)).array();
     return rms(left) < std::max(0.1 * standard_deviation(error.array()), 0.4 * e_.step() + e_.noise);
   }
 

@@ -140,7 +140,7 @@ Eigen::MatrixXd TipModel::beyond_others(std::size_t term) const {
   const Eigen::Index at = position(term), size = terms_[term].size();
   if (all.rank < all.columns.cols()) return beyond(projection({term}), term_columns_[term]);
   // With C = (X^T W X)^-1, X C_:i is what its other columns leave of X_i, times C_ii.
-  const Eigen::MatrixXd own = all.inverse.block(at, at, size, size).inverse();
+  const Eigen::MatrixXd own = inverse(all.inverse.block(at, at, size, size));
   return all.columns * (all.inverse.middleCols(at, size) * own);
 }
 
