@@ -41,7 +41,6 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
-#include "qerr/kinematics/gimbal_lock.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/comparison.hpp"

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "bound/signal_errors.hpp"
-#include "lanes/batch.hpp"
 #include "qerr/bound/independent_error.hpp"
-#include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {

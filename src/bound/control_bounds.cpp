@@ -7,7 +7,6 @@
 #include <map>
 #include <numbers>
 
-#include "control/control.hpp"
 #include "control/loop_response.hpp"
 #include "core/parallel.hpp"
 #include "core/search.hpp"

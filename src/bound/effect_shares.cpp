@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "control/control.hpp"
-#include "effect/reading.hpp"
+#include "effect/action_path.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {

@@ -8,7 +8,6 @@
 #include "bound/signal_errors.hpp"
 #include "core/parallel.hpp"
 #include "kinematics/sampler.hpp"
-#include "lanes/batch.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {

@@ -1,8 +1,8 @@
 #include "bound/kernels.hpp"
 #include "bound/lane_errors.hpp"
 #include "lanes/batch.hpp"
-#include "lanes/compiled_set.hpp"
 #include "lanes/lanes.hpp"
+#include "lanes/select_kernels.hpp"
 
 // One configuration per lane: a sweep of 100 designs with x y z and xyz takes 4.2 s against 12.6 one
 // configuration at a time (Panda, 1e5 Sobol points, one AVX2 thread).

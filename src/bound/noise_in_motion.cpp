@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/search.hpp"
-#include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {

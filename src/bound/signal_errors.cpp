@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "bound/signals/signals.hpp"
-#include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/workspace.hpp"
 

@@ -11,7 +11,6 @@
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "lanes/lanes.hpp"
-#include "qerr/bound/figure.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 

@@ -9,7 +9,6 @@
 #include "core/lists.hpp"
 #include "core/parallel.hpp"
 #include "core/run_files.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"

@@ -4,7 +4,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
-#include "input/log_names.hpp"
+#include "input/log_samples.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"

@@ -7,7 +7,6 @@
 #include "cli/command.hpp"
 #include "cli/help/page.hpp"
 #include "cli/shared.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "report/text_table.hpp"
 

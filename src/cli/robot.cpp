@@ -5,7 +5,6 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/report/robot_report.hpp"

@@ -11,14 +11,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <list>
-#include <memory>
-#include <string>
 
-#include "cli/command.hpp"
 #include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/override.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"

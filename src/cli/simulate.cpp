@@ -4,7 +4,6 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/spec_variants.hpp"
 #include "input/text_source.hpp"

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "control/loop_response.hpp"
-#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 

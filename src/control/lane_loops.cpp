@@ -1,5 +1,5 @@
 #include "control/kernels.hpp"
-#include "lanes/compiled_set.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr::lanes {
 namespace {

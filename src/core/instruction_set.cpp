@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

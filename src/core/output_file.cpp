@@ -13,7 +13,6 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <tuple>
 #include <utility>
 
 #include "core/run_files.hpp"

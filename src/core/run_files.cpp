@@ -5,18 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <sstream>
-#include <string_view>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "qerr/core/error.hpp"
 

@@ -1,5 +1,3 @@
-#include "core/suggest.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -8,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -1,7 +1,6 @@
 #include "design/encoder_choice.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/lists.hpp"
 

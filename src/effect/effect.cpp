@@ -1,7 +1,5 @@
 #include "qerr/effect/effect.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
 

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "filter/design/polynomial.hpp"
-#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 #include <complex>
 #include <vector>
 
-#include "filter/norms/complex.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/norms.hpp"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <stdexcept>
 
 #include "core/lists.hpp"
 #include "core/text.hpp"

@@ -1,14 +1,12 @@
-#include "input/catalogue.hpp"
-
 #include <algorithm>
 #include <set>
 #include <unordered_map>
 
 #include "core/lists.hpp"
 #include "core/run_files.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/csv.hpp"
+#include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"

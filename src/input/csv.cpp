@@ -7,7 +7,7 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_names.hpp"
+#include "input/log_samples.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

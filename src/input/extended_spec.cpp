@@ -8,7 +8,6 @@
 #include "core/lists.hpp"
 #include "core/solve.hpp"
 #include "effect/effects/effects.hpp"
-#include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/spec_variants.hpp"

@@ -13,8 +13,6 @@
 #include "input/yaml_tree.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/kinematics/chain.hpp"
-#include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
 
@@ -206,11 +204,8 @@ std::string coupling_section(const Chain& chain, const std::vector<StatedCouplin
                         ": its motors move " + list_of_names({c.joints[0], c.joints[1]}),
                     comment_width, "  # ", "  # ", LongWords::cut);
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    text += "  - [";
-    for (Eigen::Index k = 0; k < n; ++k) text += (k ? ", " : "") + shortest(matrix(i, k));
-    text += "]\n";
-  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    text += "  - [" + joined(Eigen::RowVectorXd(matrix.row(i)), ", ", shortest) + "]\n";
   return text;
 }
 

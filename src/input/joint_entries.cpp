@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 
 namespace qerr {

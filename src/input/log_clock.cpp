@@ -1,11 +1,10 @@
-#include "input/log_clock.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <string>
 
+#include "input/log_samples.hpp"
 #include "qerr/core/parameter.hpp"
 
 namespace qerr {

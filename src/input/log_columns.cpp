@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
 #include "input/read_sections.hpp"

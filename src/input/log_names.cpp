@@ -1,5 +1,3 @@
-#include "input/log_names.hpp"
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -7,8 +5,8 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_clock.hpp"
 #include "input/log_columns.hpp"
+#include "input/log_samples.hpp"
 #include "input/table_format.hpp"
 #include "qerr/core/quantity.hpp"
 

@@ -7,11 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/spec_format.hpp"
-#include "qerr/core/parameter.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 

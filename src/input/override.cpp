@@ -1,15 +1,13 @@
-#include "input/override.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <optional>
 #include <span>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/encoder/encoder.hpp"
 
 namespace qerr {

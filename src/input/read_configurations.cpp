@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/log_columns.hpp"

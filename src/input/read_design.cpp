@@ -4,9 +4,7 @@
 
 #include "control/control.hpp"
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/catalogue.hpp"
 #include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"

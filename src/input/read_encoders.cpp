@@ -4,7 +4,6 @@
 
 #include "core/lists.hpp"
 #include "core/solve.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/object_reader.hpp"

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"

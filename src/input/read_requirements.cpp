@@ -2,7 +2,6 @@
 
 #include "control/control.hpp"
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
@@ -47,9 +46,8 @@ std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
   if (coordinate && spec.model.tips)
     f.refuse("which of the tips is not said", of_which_tip(spec.model, word));
   if (coordinate && !contains(known, word)) {
-    std::string listed;
-    for (const Coordinate c : spec.model.coordinates)
-      listed += (listed.empty() ? "" : ", ") + std::string(info(c).name);
+    const std::string listed =
+        joined(spec.model.coordinates, ", ", [](Coordinate c) { return info(c).name; });
     f.refuse("'" + word + "' is not among the spec's coordinates",
              "add it to 'coordinates'" + (listed.empty() ? "" : ", which are " + listed + " here"));
   }
@@ -139,9 +137,8 @@ void check_passed(const Field& f, const Spec& spec, const Requirement& r) {
   if (r.filter < 0) return;
   const NamedFilter& filter = spec.filters[r.filter];
   if (is_filtered(filter, signal)) return;
-  std::string joints;
-  for (const std::size_t j : filter.joints)
-    joints += (joints.empty() ? "" : ", ") + spec.model.chain.independent[j].name;
+  const std::string joints =
+      joined(filter.joints, ", ", [&](std::size_t j) { return spec.model.chain.independent[j].name; });
   f.refuse("filter '" + filter.name + "' does not filter '" + signal.name + "'",
            is_closed(signal) ? "ask for " + signal.name + ".sigma, the figure of the loop itself"
                              : "its joints are " + joints);

@@ -1,15 +1,116 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "input/object_reader.hpp"
+#include "input/yaml_tree.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/robot_model.hpp"
 
-/// One function per section of the spec. Each stores its section in `spec` and throws Error (input) with the
-/// faults of the section.
 namespace qerr {
+
+/// A change of a spec: a dotted path, and its value, whose place is that of the change in messages.
+using SpecChange = std::pair<std::string, Node>;
+
+/// The kinematic chain of a spec's tree, to which the entries by joints belong; without joints if the tree
+/// has no robot.
+using ChainOf = std::function<const Chain&(const Node& root)>;
+
+/// Replaces or adds the values at dotted paths (`filters.velocity.derivative`); items of lists are counted
+/// from zero, `requirements.0.at_most` or `requirements[0].at_most`. Where keys contain dots, the longest
+/// matching key is used.
+///
+/// In a mapping by joints (`encoders`, `configurations.limits`, `design.encoders`) a pattern changes every
+/// entry that governs a joint which it fits. A joint without an entry of its own, or whose pattern governs
+/// others, too, first gets a copy of what holds for it. In an encoder's entry the key of a kind (`bits`)
+/// removes those that it excludes (`counts_per_rev`, `decoding`). Patterns come before single joints,
+/// whatever their order; a change of a whole mapping keeps its place.
+/// @param chain_of  is called when joints are needed, with the robot as it is after the changes
+/// @returns warnings: a pattern that is an entry itself has changed others, too
+/// @throws Error (input) if a path passes through a single value or beyond the end of a list, would begin
+/// a new filter with one of its keys, fits no joint of the chain, or is the entry of a joint outside it
+std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>&, const ChainOf& chain_of);
+
+/// Whether one of two paths is the other one or lies in it, or both state the resolution of one encoder: the
+/// last one would hold.
+bool set_one_value(const std::string& one, const std::string& other);
+
+/// The change of a path to the value of a YAML text.
+/// @param origin  place of the change in messages, such as `--set KEY`
+/// @throws Error (input) if the text is not YAML
+SpecChange spec_change(const std::string& path, const std::string& text, const std::string& origin);
+
+/// The changes of --set, in the order of the command line.
+std::vector<SpecChange> spec_changes(const std::vector<std::pair<std::string, std::string>>& set);
+
+/// The text of a spec with its overrides and further changes written into it; comments and layout of the rest
+/// are kept.
+/// @param effects  entries that are added to `effects:`; one of the same type and joint is replaced
+/// @param remark   a comment at its end
+/// @param target   path at which the text will stand, for its paths
+/// @throws Error (input), with the place, if the layout of the text does not allow a change
+std::string changed_spec(const Spec&, const std::vector<SpecChange>& changes,
+                         const std::vector<Node>& effects, const std::string& remark,
+                         const std::string& target);
+
+/// Reads the tree of a spec into a Spec, and then trees in which few sections differ.
+///
+/// A copy shares the robot. Reading again does not change the reader.
+class SpecReader {
+ public:
+  /// @param path  of the spec, to which its own paths are relative
+  explicit SpecReader(const std::string& path);
+
+  /// @throws Error (input) with all faults; (file_system) if a file cannot be read
+  Spec read(const Node& root);
+
+  /// Reads the robot of a spec's tree, and nothing else of it.
+  /// @throws Error (input)
+  RobotOfSpec robot_of(const Node& root);
+
+  /// Reads the robot of a spec's tree, for changes by joints. Borrows the reader.
+  ChainOf chain_of();
+
+  /// The spec of a tree that differs from the one that was read. Only the changed sections and those that
+  /// refer to them are read.
+  /// @param root     need only have the sections for which `reads_again` is true
+  /// @param changed  names of sections of the top level
+  /// @pre `read` has succeeded, and the robot is the same
+  Spec reread(const Node& root, const std::vector<std::string>& changed) const;
+
+  /// Whether `reread` needs a section.
+  static bool reads_again(const std::string& section, const std::vector<std::string>& changed);
+
+  /// Whether a section can change without the robot or the format: else the whole spec must be read.
+  static bool can_change(const std::string& section);
+
+ private:
+  struct Stage;
+  static const std::vector<Stage>& stages();  // in the order of reading
+  static bool reads_again(const Stage&, const std::vector<std::string>& changed);
+
+  Object checked_top(const Node& root);
+  void read_chain(const Field&);
+  void read_tips(const Object& robot);
+  std::string find_urdf(const Field& urdf, const std::string& given) const;
+  void run(const Stage&, const Object& top, std::size_t index);
+  Spec finished() const;
+
+  std::string folder_;
+  std::shared_ptr<const RobotModel> robot_;
+  std::optional<Coordinate> joint_coordinate_;      ///< of a robot of one joint without radius, by default
+  Spec spec_;                                       // without warnings
+  std::vector<std::vector<std::string>> warnings_;  // of the robot, and of each stage
+  Faults faults_;
+  Node known_;  // the sections of a spec that has others, too
+};
 
 /// The dimension of a joint's coordinate: angle, or length for a prismatic joint.
 inline Dimension coordinate_dimension(const IndependentJoint& joint) {

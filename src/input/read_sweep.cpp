@@ -2,12 +2,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/catalogue.hpp"
-#include "input/override.hpp"
+#include "input/design_request.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
+#include "input/spec_variants.hpp"
 #include "input/yaml_tree.hpp"
 
 namespace qerr {

@@ -9,7 +9,6 @@
 #include <mutex>
 #include <new>
 #include <sstream>
-#include <unordered_map>
 #include <utility>
 
 #include "core/solve.hpp"

@@ -1,5 +1,3 @@
-#include "input/spec_reader.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <numbers>

@@ -5,9 +5,6 @@
 #include "core/lists.hpp"
 #include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
-#include "input/override.hpp"
-#include "input/spec_reader.hpp"
-#include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -7,8 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "input/override.hpp"
-#include "input/spec_reader.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

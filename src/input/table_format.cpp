@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <vector>
 
 #include "core/text.hpp"
-#include "input/log_clock.hpp"
-#include "input/log_names.hpp"
+#include "input/log_columns.hpp"
+#include "input/log_samples.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

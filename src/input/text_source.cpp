@@ -13,8 +13,7 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/log_names.hpp"
-#include "qerr/core/error.hpp"
+#include "input/log_samples.hpp"
 
 namespace qerr {
 

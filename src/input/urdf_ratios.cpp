@@ -195,12 +195,10 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
   }
   const std::string obstacle = read_coupling(type, element);
   if (obstacle.empty()) return;
-  std::string names;
-  for (const std::string& name : moved) names += (names.empty() ? "" : ", ") + qerr::quoted(name);
-  flaws_.warn(
-      element, element.title(),
-      (type.empty() ? "a transmission" : "this " + type) + " of " + names + " is not read: " + obstacle, "",
-      "state gear_ratio (and coupling) of these joints in the spec");
+  flaws_.warn(element, element.title(),
+              (type.empty() ? "a transmission" : "this " + type) + " of " +
+                  joined(moved, ", ", qerr::quoted) + " is not read: " + obstacle,
+              "", "state gear_ratio (and coupling) of these joints in the spec");
 }
 
 /// A transmission of a joint that the robot does not have: misspelt, or left over from another robot.

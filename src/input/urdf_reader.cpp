@@ -1,17 +1,12 @@
 #include "input/urdf_reader.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <set>
-#include <vector>
 
-#include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "qerr/core/error.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/core/quantity.hpp"
 

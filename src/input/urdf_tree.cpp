@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/text.hpp"
-#include "input/override.hpp"
+#include "input/read_sections.hpp"
 #include "input/urdf_reader.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/core/error.hpp"

@@ -1,8 +1,8 @@
 #include "kinematics/kernels.hpp"
 #include "kinematics/walk.hpp"
 #include "lanes/batch.hpp"
-#include "lanes/compiled_set.hpp"
 #include "lanes/lanes.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr::lanes {
 namespace {

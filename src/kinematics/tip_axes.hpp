@@ -2,7 +2,7 @@
 
 #include "kinematics/walk.hpp"
 #include "lanes/lanes.hpp"
-#include "qerr/kinematics/gimbal_lock.hpp"
+#include "qerr/kinematics/coordinates.hpp"
 
 namespace qerr::lanes {
 

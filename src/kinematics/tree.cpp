@@ -6,9 +6,7 @@
 #include <tuple>
 
 #include "core/lists.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
 

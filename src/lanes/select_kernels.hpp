@@ -29,3 +29,18 @@ const Table& select_kernels(InstructionSet set) {
 }
 
 }  // namespace qerr
+
+// For kernel sources (lane_*.cpp) only: CMakeLists.txt defines the macros.
+#ifdef QERR_LANES
+#include "lanes/lanes.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+/// The instruction set that this translation unit is compiled for, and its vector of doubles.
+constexpr InstructionSet compiled_set = InstructionSet::QERR_INSTRUCTION_SET;
+using CompiledLanes = Lanes<QERR_LANES>;
+
+}  // namespace
+}  // namespace qerr::lanes
+#endif

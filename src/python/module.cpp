@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <condition_variable>
-#include <fstream>
 #include <mutex>
 #include <numeric>
 #include <thread>
@@ -14,7 +13,6 @@
 #include "core/run_files.hpp"
 #include "input/csv.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/quantity.hpp"
 #include "qerr/report/write.hpp"
 
 /// The module `qerr._qerr`: the commands of the program, run within the process of Python.

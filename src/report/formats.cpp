@@ -4,9 +4,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "qerr/report/write.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

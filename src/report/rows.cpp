@@ -1,8 +1,6 @@
 #include "report/rows.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string_view>
 
 #include "core/text.hpp"
 #include "input/text_source.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/search.hpp"
-#include "effect/reading.hpp"
+#include "effect/action_path.hpp"
 
 namespace qerr {
 

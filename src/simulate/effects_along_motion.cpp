@@ -1,15 +1,13 @@
-#include "simulate/effects_along_motion.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "bound/signal_errors.hpp"
 #include "filter/run/cascade.hpp"
 #include "kinematics/inverse_dynamics.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/path_errors.hpp"
 #include "simulate/unrounded_record.hpp"

@@ -1,8 +1,8 @@
 #include <utility>
 
 #include "lanes/batch.hpp"
-#include "lanes/compiled_set.hpp"
 #include "lanes/lanes.hpp"
+#include "lanes/select_kernels.hpp"
 #include "simulate/lane_columns.hpp"
 
 namespace qerr::lanes {

@@ -1,5 +1,3 @@
-#include "simulate/quantization_along_motion.hpp"
-
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "core/random.hpp"
 #include "filter/run/cascade.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/count_errors.hpp"
 #include "simulate/motion_path.hpp"
 

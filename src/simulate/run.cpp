@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "core/random.hpp"
 #include "filter/run/cascade.hpp"
 #include "lanes/batch.hpp"
 #include "simulate/motion_path.hpp"
-#include "simulate/path_errors.hpp"
 
 namespace qerr {
 

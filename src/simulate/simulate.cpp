@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
-#include "simulate/quantization_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/run.hpp"
-#include "simulate/tracking_along_motion.hpp"
 #include "simulate/unrounded_record.hpp"
 
 namespace qerr {

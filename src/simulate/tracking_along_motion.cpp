@@ -1,11 +1,10 @@
-#include "simulate/tracking_along_motion.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "filter/run/cascade.hpp"
 #include "lanes/batch.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/path_errors.hpp"
 #include "simulate/sensing.hpp"

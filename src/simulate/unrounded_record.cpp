@@ -1,6 +1,5 @@
 #include "simulate/unrounded_record.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace qerr {

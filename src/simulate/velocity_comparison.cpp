@@ -1,5 +1,3 @@
-#include "simulate/velocity_comparison.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 #include "filter/run/cascade.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/core/error.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/estimators/estimator.hpp"
 #include "simulate/run.hpp"
 #include "simulate/sensing.hpp"

@@ -22,7 +22,7 @@
 #include "plain_simulation.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
-#include "simulate/quantization_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 
 namespace {
 

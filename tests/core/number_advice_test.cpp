@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

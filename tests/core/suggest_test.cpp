@@ -1,9 +1,9 @@
-#include "core/suggest.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
+
+#include "core/text.hpp"
 
 namespace qerr {
 namespace {

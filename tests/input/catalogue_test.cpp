@@ -1,10 +1,9 @@
-#include "input/catalogue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "input/design_request.hpp"
 #include "input/yaml_tree.hpp"
 
 namespace qerr {

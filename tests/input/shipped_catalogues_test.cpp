@@ -4,7 +4,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "input/catalogue.hpp"
+#include "input/design_request.hpp"
 #include "input/spec_variants.hpp"
 
 namespace qerr {

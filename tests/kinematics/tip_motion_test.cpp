@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "qerr/kinematics/chain.hpp"
-#include "simulate/tracking_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

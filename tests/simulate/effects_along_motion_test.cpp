@@ -1,5 +1,3 @@
-#include "simulate/effects_along_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "simulate/along_motion.hpp"
 #include "support/design_filter.hpp"
 #include "support/effect_experiment.hpp"
 #include "support/reference_filter.hpp"

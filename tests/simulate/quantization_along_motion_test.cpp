@@ -1,5 +1,3 @@
-#include "simulate/quantization_along_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "bound/noise_in_motion.hpp"
 #include "qerr/filter/norms.hpp"
+#include "simulate/along_motion.hpp"
 #include "support/design_filter.hpp"
 #include "support/reference_filter.hpp"
 #include "support/sample_filters.hpp"

@@ -1,5 +1,3 @@
-#include "simulate/tracking_along_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "qerr/input/spec.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/parts.hpp"
+#include "simulate/along_motion.hpp"
 #include "support/design_filter.hpp"
 #include "support/simulate_experiment.hpp"
 

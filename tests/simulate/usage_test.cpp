@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kinematics/inverse_dynamics.hpp"
-#include "simulate/effects_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
 #include "support/effect_experiment.hpp"
 

@@ -10,7 +10,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/simulate/simulate.hpp"
-#include "simulate/effects_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "support/random_chain.hpp"
 
 /// Robots, motions and effects for tests of the effects' contributions to the bounds.

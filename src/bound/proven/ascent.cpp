@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "bound/figure_column.hpp"
 #include "core/search.hpp"

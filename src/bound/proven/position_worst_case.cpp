@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "bound/proven/chain_bound.hpp"
 #include "bound/proven/recursion.hpp"

@@ -13,7 +13,6 @@
 #include "bound/proven/chain_bound.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
-#include "qerr/bound/operational_error.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

@@ -1,7 +1,5 @@
 #include "bound/proven/recursion.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace qerr {

@@ -1,5 +1,5 @@
 #include "diagnose/surrogates/lane_surrogates.hpp"
-#include "lanes/compiled_set.hpp"
+#include "lanes/select_kernels.hpp"
 
 // Statistics and filters of the residuals of surrogates, one surrogate per lane.
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "filter/norms/complex.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "qerr/filter/filter.hpp"
 

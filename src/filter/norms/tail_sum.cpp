@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
-
-#include "filter/norms/sequence.hpp"
 
 namespace qerr {
 

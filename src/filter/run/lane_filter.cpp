@@ -1,5 +1,5 @@
 #include "filter/run/section_recursion.hpp"
-#include "lanes/compiled_set.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr::lanes {
 namespace {

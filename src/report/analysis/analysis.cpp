@@ -18,7 +18,7 @@
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
-#include "simulate/quantization_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/unrounded_record.hpp"
 
 namespace qerr {

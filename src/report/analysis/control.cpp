@@ -9,7 +9,6 @@
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
 #include "report/analysis/requirements.hpp"
-#include "report/text_table.hpp"
 
 namespace qerr {
 

@@ -5,21 +5,19 @@
 #include <limits>
 #include <numbers>
 
-#include "control/control.hpp"
 #include "control/loop.hpp"
 #include "core/lists.hpp"
 #include "core/text.hpp"
+#include "effect/action_path.hpp"
 #include "effect/effects/effects.hpp"
-#include "effect/reading.hpp"
 #include "filter/run/cascade.hpp"
 #include "input/joint_entries.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"
-#include "simulate/effects_along_motion.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
-#include "simulate/quantization_along_motion.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/unrounded_record.hpp"
 

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "bound/figure_column.hpp"
-#include "qerr/report/analysis.hpp"
 #include "report/analysis/control.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"

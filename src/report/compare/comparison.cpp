@@ -224,8 +224,7 @@ const Baseline& baseline_of(const Baselines& baselines, const std::string& spec,
     ++named;
   }
   if (found && named == 1) return *found;
-  std::string specs;
-  for (const Baseline& b : baselines) specs += (specs.empty() ? "" : ", ") + quoted(b.figures.spec);
+  const std::string specs = joined(baselines, ", ", [](const Baseline& b) { return quoted(b.figures.spec); });
   throw Error({baselines.empty() ? "" : baselines.front().figures.file}, "reports",
               "the baseline has no report of " + quoted(spec),
               specs.empty() ? "no report" : "reports of " + specs,

@@ -5,11 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "qerr/report/comparison.hpp"
-#include "qerr/report/write.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/compare/parts.hpp"
-#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/text.hpp"
-#include "input/override.hpp"
+#include "input/read_sections.hpp"
 #include "input/yaml_tree.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"

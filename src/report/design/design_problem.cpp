@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "core/text.hpp"
-#include "input/catalogue.hpp"
+#include "input/design_request.hpp"
 #include "input/read_sections.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string>
 
-#include "qerr/report/design_report.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 

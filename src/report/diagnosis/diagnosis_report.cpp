@@ -5,7 +5,6 @@
 
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "qerr/input/spec.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "filter/norms/numerical_error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -258,9 +259,7 @@ std::string ros_code(const FilterReport& report) {
              "]}}\n";
     };
     if (f.plan.sections.empty()) {
-      std::string taps;
-      for (const DoubleDouble& tap : f.plan.taps) taps += (taps.empty() ? "" : ", ") + number(tap);
-      add("1", taps);
+      add("1", joined(f.plan.taps, ", ", [](const DoubleDouble& tap) { return number(tap); }));
       continue;
     }
     Rows rows;

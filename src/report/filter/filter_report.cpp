@@ -4,15 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "bound/noise_in_motion.hpp"
 #include "core/text.hpp"
 #include "filter/norms/autocorrelation.hpp"
-#include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/filter/norms.hpp"
 #include "report/rows.hpp"
 #include "report/text_table.hpp"
 

@@ -1,9 +1,7 @@
 #include "report/formats.hpp"
 
 #include <cmath>
-#include <string>
 
-#include "qerr/report/filter_report.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 

@@ -1,10 +1,6 @@
 #include "report/page/frame.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
-#include <vector>
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"

@@ -6,7 +6,6 @@
 #include <unsupported/Eigen/FFT>
 
 #include "core/text.hpp"
-#include "report/page/frame.hpp"
 
 namespace qerr {
 

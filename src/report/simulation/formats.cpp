@@ -9,13 +9,12 @@
 #include "report/analysis/effects.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
+#include "simulate/along_motion.hpp"
 #include "simulate/estimators/estimator.hpp"
 #include "simulate/unrounded_record.hpp"
-#include "simulate/velocity_comparison.hpp"
 
 namespace qerr {
 

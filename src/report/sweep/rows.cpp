@@ -1,7 +1,6 @@
 #include "report/sweep/rows.hpp"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
 #include "core/text.hpp"
@@ -10,8 +9,6 @@
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
-#include "report/sweep/run_sweep.hpp"
-#include "report/text_table.hpp"
 
 namespace qerr {
 

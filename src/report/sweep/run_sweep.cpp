@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <mutex>
 
 #include "core/parallel.hpp"
 #include "input/spec_format.hpp"

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <map>
 
-#include "core/run_files.hpp"
+#include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/spec_format.hpp"
 #include "input/text_source.hpp"
@@ -272,9 +271,7 @@ RunRecord::RunRecord(std::string_view text) {
 }
 
 std::string RunRecord::text() const {
-  std::string text;
-  for (const auto& [name, value] : entries_) text += (text.empty() ? "" : "; ") + name + '=' + value;
-  return text;
+  return joined(entries_, "; ", [](const auto& entry) { return entry.first + '=' + entry.second; });
 }
 
 std::string RunRecord::difference(const RunRecord& other) const {

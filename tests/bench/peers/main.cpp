@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "core/output_file.hpp"
-#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "report.hpp"
 #include "self_test.hpp"
