@@ -1,11 +1,10 @@
-#include "bound/column_statistics.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <tuple>
 #include <utility>
 
+#include "bound/error_columns.hpp"
 #include "core/parallel.hpp"
 #include "lanes/batch.hpp"
 

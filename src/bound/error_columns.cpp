@@ -1,4 +1,3 @@
-#include "bound/error_columns.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +7,6 @@
 #include "bound/signal_errors.hpp"
 #include "core/parallel.hpp"
 #include "kinematics/sampler.hpp"
-#include "qerr/bound/workspace.hpp"
 
 namespace qerr {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "bound/histogram.hpp"
 #include "bound/kernels.hpp"
 #include "core/statistics.hpp"

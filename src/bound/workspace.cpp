@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "bound/workspace_job.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"

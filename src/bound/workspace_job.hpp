@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bound/batched_error.hpp"
-#include "bound/figure_column.hpp"
 #include "bound/histogram.hpp"
 #include "bound/kernels.hpp"
 #include "kinematics/sampler.hpp"

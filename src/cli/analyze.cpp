@@ -1,8 +1,7 @@
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 
 namespace qerr::cli {
 

@@ -4,12 +4,11 @@
 #include <limits>
 #include <map>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::cli {

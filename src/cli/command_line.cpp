@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
 #include "core/parallel.hpp"

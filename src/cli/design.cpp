@@ -1,7 +1,6 @@
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "input/csv.hpp"
 #include "input/spec_variants.hpp"
-#include "input/text_source.hpp"
 #include "qerr/report/design_report.hpp"
 #include "report/text_table.hpp"
 

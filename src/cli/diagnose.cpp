@@ -1,10 +1,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/run_files.hpp"
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
 #include "qerr/report/filter_report.hpp"

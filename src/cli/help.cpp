@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "cli/command.hpp"
 #include "cli/help/page.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"

@@ -1,4 +1,3 @@
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "report/text_table.hpp"
 

@@ -11,7 +11,6 @@
 #include <string>
 #include <string_view>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"

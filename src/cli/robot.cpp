@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
 #include "core/text.hpp"

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -15,7 +14,7 @@
 #include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"
 

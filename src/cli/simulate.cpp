@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/lists.hpp"
 #include "core/text.hpp"
+#include "input/csv.hpp"
 #include "input/spec_variants.hpp"
-#include "input/text_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/simulation/parts.hpp"

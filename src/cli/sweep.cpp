@@ -1,24 +1,17 @@
+#include "report/sweep/sweep.hpp"
+
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <map>
-#include <mutex>
-#include <optional>
 
 #include "cli/shared.hpp"
-#include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
-#include "report/sweep/rows.hpp"
-#include "report/sweep/run_sweep.hpp"
-#include "report/sweep/shards.hpp"
-#include "report/text_table.hpp"
+#include "report/analysis/figures.hpp"
 
 namespace qerr::cli {
 

@@ -1,4 +1,3 @@
-#include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "core/text.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

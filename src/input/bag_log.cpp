@@ -7,7 +7,7 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 
 namespace qerr {
 

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <optional>
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

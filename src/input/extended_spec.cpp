@@ -9,7 +9,6 @@
 #include "core/solve.hpp"
 #include "effect/effects/effects.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "input/spec_variants.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/effect/effect_kind.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "qerr/core/parameter.hpp"
 
 namespace qerr {

@@ -1,5 +1,3 @@
-#include "input/log_columns.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
+#include "input/log_table.hpp"
 #include "input/read_sections.hpp"
 
 namespace qerr {

@@ -5,9 +5,8 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_columns.hpp"
-#include "input/log_samples.hpp"
-#include "input/table_format.hpp"
+#include "input/csv.hpp"
+#include "input/log_table.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -7,7 +7,7 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_columns.hpp"
+#include "input/log_table.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/core/quantity.hpp"
 

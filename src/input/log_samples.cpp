@@ -1,12 +1,10 @@
-#include "input/log_samples.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "input/bag_file.hpp"
-#include "input/log_columns.hpp"
+#include "input/log_table.hpp"
 #include "input/read_sections.hpp"
 
 namespace qerr {

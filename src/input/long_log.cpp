@@ -5,8 +5,7 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/log_columns.hpp"
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/input/read_log.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/text.hpp"
-#include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 

@@ -6,7 +6,6 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/spec_format.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/encoder/encoder.hpp"
 

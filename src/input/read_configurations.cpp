@@ -8,10 +8,8 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
-#include "input/log_columns.hpp"
 #include "input/log_table.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

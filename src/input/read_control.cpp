@@ -8,7 +8,6 @@
 #include "effect/action_path.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 
 /// Reads the sections `control` and `walls` of a spec.

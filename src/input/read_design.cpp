@@ -7,7 +7,7 @@
 #include "core/text.hpp"
 #include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
-#include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/filter/family.hpp"
 

@@ -5,9 +5,9 @@
 #include "core/lists.hpp"
 #include "core/solve.hpp"
 #include "core/text.hpp"
+#include "input/csv.hpp"
 #include "input/joint_entries.hpp"
 #include "input/object_reader.hpp"
-#include "input/table_format.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/encoder/encoder.hpp"
 

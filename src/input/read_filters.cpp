@@ -6,7 +6,6 @@
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/filter/family.hpp"
 #include "simulate/estimators/estimator.hpp"

@@ -9,7 +9,6 @@
 
 #include "core/statistics.hpp"
 #include "core/text.hpp"
-#include "input/log_columns.hpp"
 #include "input/log_table.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/encoder/encoder.hpp"

@@ -7,7 +7,6 @@
 #include "core/text.hpp"
 #include "input/joint_entries.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"

@@ -4,7 +4,6 @@
 #include "core/lists.hpp"
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 
 /// Reads the section `requirements` of a spec.

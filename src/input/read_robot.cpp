@@ -5,7 +5,6 @@
 
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 
 /// Reads the key `robot.dh` of a spec: a table of Denavit and Hartenberg.
 namespace qerr {

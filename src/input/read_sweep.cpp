@@ -5,7 +5,6 @@
 #include "core/text.hpp"
 #include "input/design_request.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "input/spec_variants.hpp"
 #include "input/yaml_tree.hpp"
 

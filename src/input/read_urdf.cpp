@@ -13,7 +13,7 @@
 
 #include "core/solve.hpp"
 #include "core/text.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/input/first_spec.hpp"

@@ -1,7 +1,6 @@
-#include "input/spec_format.hpp"
-
 #include <algorithm>
 
+#include "input/read_sections.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/filter/family.hpp"
 

@@ -8,7 +8,6 @@
 #include "core/text.hpp"
 #include "input/object_reader.hpp"
 #include "input/read_sections.hpp"
-#include "input/spec_format.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/input/first_spec.hpp"
 

@@ -1,12 +1,10 @@
-#include "input/table_format.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
 
 #include "core/text.hpp"
-#include "input/log_columns.hpp"
-#include "input/log_samples.hpp"
+#include "input/csv.hpp"
+#include "input/log_table.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

@@ -1,5 +1,3 @@
-#include "input/text_source.hpp"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,7 +11,8 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
-#include "input/log_samples.hpp"
+#include "input/csv.hpp"
+#include "input/log_table.hpp"
 
 namespace qerr {
 

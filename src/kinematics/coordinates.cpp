@@ -1,4 +1,3 @@
-#include "qerr/kinematics/coordinates.hpp"
 
 #include <cmath>
 #include <limits>

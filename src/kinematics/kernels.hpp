@@ -10,6 +10,10 @@
 
 namespace qerr {
 
+/// Below this cosine of pitch Euler angles have no rates: a thousand times the 1e-15 to which a chain of
+/// joints rounds the axis of its tip.
+inline constexpr double gimbal_lock = 1e-12;
+
 /// One moving joint in modified Denavit-Hartenberg form (Craig): from the previous frame, tilt z about x,
 /// translate to the joint's axis, then rotate about it or translate along it.
 ///

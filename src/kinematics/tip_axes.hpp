@@ -1,8 +1,8 @@
 #pragma once
 
+#include "kinematics/kernels.hpp"
 #include "kinematics/walk.hpp"
 #include "lanes/lanes.hpp"
-#include "qerr/kinematics/coordinates.hpp"
 
 namespace qerr::lanes {
 

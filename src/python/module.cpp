@@ -9,7 +9,7 @@
 #include <numeric>
 #include <thread>
 
-#include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "core/run_files.hpp"
 #include "input/csv.hpp"
 #include "qerr/core/error.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/text.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder.hpp"

@@ -9,7 +9,7 @@
 #include "kinematics/inverse_dynamics.hpp"
 #include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
-#include "simulate/path_errors.hpp"
+#include "simulate/run.hpp"
 #include "simulate/unrounded_record.hpp"
 
 namespace qerr {

@@ -1,6 +1,4 @@
 // The constants of the errors along a path: columns, scales and bounds.
-#include "simulate/path_errors.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 #include "lanes/lanes.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "simulate/kernels.hpp"
+#include "simulate/run.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {

@@ -1,12 +1,10 @@
 #include "simulate/run.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "core/random.hpp"
 #include "filter/run/cascade.hpp"
-#include "lanes/batch.hpp"
 #include "simulate/motion_path.hpp"
 
 namespace qerr {

@@ -1,11 +1,10 @@
-#include "simulate/run_statistics.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/random.hpp"
 #include "core/statistics.hpp"
+#include "simulate/run.hpp"
 
 namespace qerr {
 

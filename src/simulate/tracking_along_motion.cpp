@@ -6,7 +6,7 @@
 #include "lanes/batch.hpp"
 #include "simulate/along_motion.hpp"
 #include "simulate/motion_path.hpp"
-#include "simulate/path_errors.hpp"
+#include "simulate/run.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/unrounded_record.hpp"
 

@@ -3,6 +3,7 @@
 
 #include "core/lists.hpp"
 #include "core/parallel.hpp"
+#include "core/random.hpp"
 #include "filter/run/cascade.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/core/error.hpp"

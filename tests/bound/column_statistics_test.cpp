@@ -1,10 +1,9 @@
-#include "bound/column_statistics.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bound/error_columns.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_model.hpp"
 

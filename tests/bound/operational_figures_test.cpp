@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bound/column_statistics.hpp"
+#include "bound/error_columns.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "support/effect_experiment.hpp"

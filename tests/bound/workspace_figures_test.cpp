@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "support/measured_figures.hpp"
 

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "bound/batched_error.hpp"
-#include "bound/figure_column.hpp"
 #include "core/random.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/batch.hpp"

@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "filter/norms/autocorrelation.hpp"
-#include "filter/norms/l1_norm.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "filter/norms/numerical_error.hpp"
 #include "filter/norms/sequence.hpp"
-#include "filter/norms/tail_sum.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "support/design_filter.hpp"

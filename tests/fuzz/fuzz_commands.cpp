@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"
 #include "fuzz/schema_mutation.hpp"

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "core/run_files.hpp"
 #include "fuzz/table_mutation.hpp"
 #include "fuzz/target.hpp"

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "core/lists.hpp"
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "support/log_file.hpp"
 
 /// Logs as programs and spreadsheets write them: each is read as the plain table of the same numbers.

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "input/log_samples.hpp"
+#include "input/log_table.hpp"
 #include "support/log_file.hpp"
 
 /// Columns by a mapping of the spec or the command line, and the mapping that is proposed for a log of

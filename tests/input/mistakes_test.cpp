@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "input/yaml_tree.hpp"
 #include "qerr/input/spec.hpp"
 

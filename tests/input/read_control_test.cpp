@@ -9,8 +9,7 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/control.hpp"
-#include "report/analysis/figure_names.hpp"
+#include "report/analysis/figures.hpp"
 
 namespace qerr {
 namespace {

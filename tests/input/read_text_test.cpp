@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "core/run_files.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

@@ -5,7 +5,6 @@
 
 #include "report/diagnosis/parts.hpp"
 #include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 
 namespace qerr {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "input/read_sections.hpp"
 #include "qerr/core/error.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 
 namespace qerr {
 namespace {

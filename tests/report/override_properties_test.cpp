@@ -9,7 +9,7 @@
 #include "input/joint_entries.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "support/random_spec.hpp"
 
 // What an override changes, and what a requirement says, on random robots and specs.

@@ -5,9 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "report/page/frame.hpp"
-#include "report/page/plot.hpp"
-
 namespace qerr::page {
 namespace {
 

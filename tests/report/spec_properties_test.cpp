@@ -8,10 +8,8 @@
 
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/sweep/rows.hpp"
-#include "report/sweep/run_sweep.hpp"
-#include "report/sweep/shards.hpp"
+#include "report/analysis/figures.hpp"
+#include "report/sweep/sweep.hpp"
 #include "support/random_spec.hpp"
 #include "support/workspace_figures.hpp"
 

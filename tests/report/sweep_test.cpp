@@ -1,3 +1,5 @@
+#include "report/sweep/sweep.hpp"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -5,8 +7,6 @@
 #include <numbers>
 
 #include "qerr/core/error.hpp"
-#include "report/sweep/run_sweep.hpp"
-#include "report/sweep/shards.hpp"
 
 namespace qerr {
 namespace {

@@ -1,10 +1,9 @@
-#include "simulate/path_errors.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "simulate/run.hpp"
 #include "support/design_filter.hpp"
 #include "support/random_chain.hpp"
 #include "support/reference_simulation.hpp"

@@ -54,8 +54,4 @@ double cosine_of_pitch(const Eigen::Matrix3d& rotation);
 Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>&, const Jacobian&,
                                 const Eigen::Matrix3d& rotation, CoordinateFrame = CoordinateFrame::base);
 
-/// Below this cosine of pitch Euler angles have no rates: a thousand times the 1e-15 to which a chain of
-/// joints rounds the axis of its tip.
-inline constexpr double gimbal_lock = 1e-12;
-
 }  // namespace qerr

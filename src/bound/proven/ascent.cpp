@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "bound/figure_column.hpp"
 #include "core/search.hpp"
 #include "kinematics/sampler.hpp"
 #include "qerr/bound/workspace.hpp"

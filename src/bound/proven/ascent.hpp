@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bound/batched_error.hpp"
-#include "bound/proven/error_terms.hpp"
+#include "bound/proven/box_bound.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/proven_maximum.hpp"
 #include "qerr/kinematics/robot_model.hpp"

@@ -1,8 +1,7 @@
-#include "bound/proven/error_terms.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "bound/proven/box_bound.hpp"
 #include "bound/signal_errors.hpp"
 
 namespace qerr {

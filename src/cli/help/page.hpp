@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "qerr/report/write.hpp"
 
 /// Pages of the help: of each command, made from its row, and of topics, written in Markdown

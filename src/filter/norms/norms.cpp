@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/norms/l1_norm.hpp"
 #include "filter/norms/modes.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "filter/norms/rational.hpp"
 #include "filter/norms/sequence.hpp"
-#include "filter/norms/tail_sum.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 

@@ -1,4 +1,3 @@
-#include "filter/norms/sequence.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "filter/norms/tail_sum.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "filter/norms/sequence.hpp"
 
 namespace qerr {
 

@@ -5,9 +5,8 @@
 #include "qerr/core/error.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {

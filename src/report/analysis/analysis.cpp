@@ -5,17 +5,16 @@
 #include <numbers>
 #include <numeric>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "bound/noise_in_motion.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
+#include "kinematics/kernels.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 #include "simulate/along_motion.hpp"

@@ -1,14 +1,13 @@
-#include "report/analysis/control.hpp"
+#include "control/control.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "control/control.hpp"
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 
 namespace qerr {
 

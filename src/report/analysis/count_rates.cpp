@@ -4,7 +4,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 

@@ -1,10 +1,8 @@
-#include "report/analysis/figure_names.hpp"
-
 #include <cmath>
 #include <limits>
 
-#include "bound/figure_column.hpp"
-#include "report/analysis/control.hpp"
+#include "bound/batched_error.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 

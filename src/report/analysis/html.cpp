@@ -2,20 +2,15 @@
 #include <array>
 #include <cmath>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "bound/histogram.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/coordinates.hpp"
-#include "report/analysis/control.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
-#include "report/page/frame.hpp"
-#include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

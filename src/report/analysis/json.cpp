@@ -2,8 +2,8 @@
 
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
-#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 

@@ -4,8 +4,7 @@
 
 #include "core/text.hpp"
 #include "qerr/bound/proven_maximum.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 

@@ -1,17 +1,14 @@
-#include "report/analysis/requirements.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
-#include "bound/figure_column.hpp"
+#include "bound/batched_error.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/figure_names.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"

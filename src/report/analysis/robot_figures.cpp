@@ -7,9 +7,6 @@
 #include "core/text.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/frame.hpp"
-#include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 #include "report/rows.hpp"
 
 namespace qerr {

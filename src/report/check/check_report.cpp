@@ -3,12 +3,10 @@
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 /// The page of `qerr check`, of one spec or of a fleet.

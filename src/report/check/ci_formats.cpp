@@ -3,7 +3,7 @@
 
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
 

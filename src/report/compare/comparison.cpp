@@ -10,7 +10,7 @@
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/compare/parts.hpp"
 
 namespace qerr {

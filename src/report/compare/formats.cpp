@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/compare/parts.hpp"
 #include "report/text_table.hpp"
 

@@ -7,7 +7,7 @@
 #include "input/read_sections.hpp"
 #include "input/yaml_tree.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/design/design_solver.hpp"
 #include "report/text_table.hpp"
 

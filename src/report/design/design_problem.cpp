@@ -7,7 +7,7 @@
 #include "input/design_request.hpp"
 #include "input/read_sections.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/design/design_solver.hpp"
 
 namespace qerr {

@@ -11,7 +11,7 @@
 #include "input/spec_variants.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/design_report.hpp"
-#include "report/analysis/control.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 
 namespace qerr {

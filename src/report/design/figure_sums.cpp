@@ -7,7 +7,7 @@
 #include "control/loop_response.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/configurations.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/design/design_solver.hpp"
 
 namespace qerr {

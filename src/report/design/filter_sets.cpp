@@ -7,8 +7,8 @@
 #include "design/filter_choice.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/filter/norms.hpp"
-#include "report/analysis/control.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/design/design_solver.hpp"
 
 namespace qerr {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

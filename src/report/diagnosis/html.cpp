@@ -6,12 +6,11 @@
 #include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

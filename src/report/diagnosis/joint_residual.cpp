@@ -9,7 +9,6 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
-#include "report/page/plot.hpp"
 #include "report/rows.hpp"
 
 namespace qerr {

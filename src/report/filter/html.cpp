@@ -10,11 +10,9 @@
 #include "design/filter_choice.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -1,5 +1,3 @@
-#include "report/page/frame.hpp"
-
 #include <algorithm>
 
 #include "core/text.hpp"

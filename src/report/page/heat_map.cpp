@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "qerr/core/quantity.hpp"
-#include "report/page/frame.hpp"
 
 namespace qerr::page {
 

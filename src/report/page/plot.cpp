@@ -1,5 +1,3 @@
-#include "report/page/plot.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

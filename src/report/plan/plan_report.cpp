@@ -9,7 +9,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/diagnosis_report.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 

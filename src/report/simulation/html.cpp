@@ -7,11 +7,10 @@
 
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
-#include "report/page/plot.hpp"
 #include "report/simulation/parts.hpp"
 #include "report/text_table.hpp"
 #include "simulate/motion_path.hpp"

@@ -13,7 +13,7 @@
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/rows.hpp"
 #include "report/simulation/parts.hpp"

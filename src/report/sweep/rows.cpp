@@ -1,14 +1,13 @@
-#include "report/sweep/rows.hpp"
-
 #include <algorithm>
 #include <memory>
 
 #include "core/text.hpp"
 #include "qerr/filter/norms.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/figure_names.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
+#include "report/sweep/sweep.hpp"
 
 namespace qerr {
 

@@ -1,16 +1,14 @@
-#include "report/sweep/run_sweep.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
 
 #include "core/parallel.hpp"
-#include "input/spec_format.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/sweep/sweep.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

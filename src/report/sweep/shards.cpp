@@ -1,5 +1,3 @@
-#include "report/sweep/shards.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <deque>
@@ -8,10 +6,11 @@
 
 #include "core/lists.hpp"
 #include "core/text.hpp"
-#include "input/spec_format.hpp"
-#include "input/text_source.hpp"
+#include "input/csv.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/write.hpp"
+#include "report/sweep/sweep.hpp"
 
 namespace qerr {
 

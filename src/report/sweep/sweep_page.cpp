@@ -7,12 +7,9 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/page/page.hpp"
-#include "report/page/plot.hpp"
-#include "report/sweep/rows.hpp"
+#include "report/sweep/sweep.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

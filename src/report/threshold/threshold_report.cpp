@@ -5,7 +5,7 @@
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/analysis/requirements.hpp"
+#include "report/analysis/figures.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 
