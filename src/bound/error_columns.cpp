@@ -1,3 +1,4 @@
+#include "bound/error_columns.hpp"
 
 #include <algorithm>
 #include <cmath>

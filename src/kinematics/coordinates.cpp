@@ -1,3 +1,4 @@
+#include "qerr/kinematics/coordinates.hpp"
 
 #include <cmath>
 #include <limits>

@@ -4,6 +4,7 @@
 
 #include "cli/help/page.hpp"
 #include "core/text.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::cli {

@@ -1,3 +1,4 @@
+#include "filter/norms/sequence.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,6 +7,7 @@
 #include "qerr/report/write.hpp"
 #include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {

@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/page/page.hpp"
 #include "report/rows.hpp"
 
 namespace qerr {

@@ -7,6 +7,7 @@
 #include "report/analysis/tables.hpp"
 #include "report/compare/parts.hpp"
 #include "report/formats.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 /// The page of `qerr check`, of one spec or of a fleet.

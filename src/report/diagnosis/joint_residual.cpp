@@ -9,6 +9,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
+#include "report/page/page.hpp"
 #include "report/rows.hpp"
 
 namespace qerr {

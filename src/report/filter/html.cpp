@@ -13,6 +13,7 @@
 #include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -2,6 +2,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/page/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr::page {

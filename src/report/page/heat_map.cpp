@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "qerr/core/quantity.hpp"
+#include "report/page/page.hpp"
 
 namespace qerr::page {
 

@@ -1,6 +1,14 @@
 #pragma once
 
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "report/text_table.hpp"
 

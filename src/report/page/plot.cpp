@@ -4,6 +4,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "core/text.hpp"
+#include "report/page/page.hpp"
 
 namespace qerr {
 

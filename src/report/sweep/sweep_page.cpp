@@ -9,6 +9,7 @@
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/figures.hpp"
 #include "report/analysis/tables.hpp"
+#include "report/page/page.hpp"
 #include "report/sweep/sweep.hpp"
 #include "report/text_table.hpp"
 
