@@ -1,5 +1,6 @@
 #include "qerr/effect/effect.hpp"
 
+#include <array>
 #include <numbers>
 #include <stdexcept>
 
@@ -71,29 +72,9 @@ Eigen::Vector3d displacement_direction(const Effect& effect) {
 }
 
 std::string_view stage_name(Stage stage) {
-  switch (stage) {
-    case Stage::clock:
-      return "clock";
-    case Stage::link:
-      return "link";
-    case Stage::gear:
-      return "gear";
-    case Stage::disc:
-      return "disc";
-    case Stage::line:
-      return "line";
-    case Stage::comparator:
-      return "comparator";
-    case Stage::decoder:
-      return "decoder";
-    case Stage::log:
-      return "log";
-    case Stage::reference:
-      return "reference";
-    case Stage::kinematics:
-      return "kinematics";
-  }
-  return "";
+  constexpr std::array<std::string_view, 10> in_order{
+      "clock", "link", "gear", "disc", "line", "comparator", "decoder", "log", "reference", "kinematics"};
+  return in_order[static_cast<std::size_t>(stage)];
 }
 
 std::optional<Share> proportional(double factor, const std::optional<Spread>& quantity) {
@@ -111,27 +92,9 @@ double normal(std::uint64_t seed, std::uint64_t index) {
 }
 
 std::string_view name(Shape s) {
-  switch (s) {
-    case Shape::step:
-      return "step";
-    case Shape::hysteresis:
-      return "hysteresis";
-    case Shape::exponential:
-      return "exponential";
-    case Shape::line:
-      return "line";
-    case Shape::order:
-      return "order";
-    case Shape::bump:
-      return "bump";
-    case Shape::by_count:
-      return "by_count";
-    case Shape::noise:
-      return "noise";
-    case Shape::unknown:
-      return "unknown";
-  }
-  return "";
+  constexpr std::array<std::string_view, 9> in_order{"step", "hysteresis", "exponential", "line",   "order",
+                                                     "bump", "by_count",   "noise",       "unknown"};
+  return in_order[static_cast<std::size_t>(s)];
 }
 
 }  // namespace qerr

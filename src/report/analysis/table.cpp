@@ -187,17 +187,10 @@ std::string exceedance_tables(const Analysis& a, const Style& style) {
 }
 
 std::string name_of(SamplingMethod m) {
-  switch (m) {
-    case SamplingMethod::sobol:
-      return "Sobol";
-    case SamplingMethod::random:
-      return "random";
-    case SamplingMethod::grid:
-      return "grid";
-    case SamplingMethod::list:
-      return "listed";
-  }
-  return {};
+  return m == SamplingMethod::sobol    ? "Sobol"
+         : m == SamplingMethod::random ? "random"
+         : m == SamplingMethod::grid   ? "grid"
+                                       : "listed";
 }
 
 /// Whether the encoder's share is the largest, or equal to it in what is printed.
