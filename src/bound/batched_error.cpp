@@ -9,7 +9,6 @@
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {
-
 struct BatchedError::Plan {
   PlannedError error;
   const BoundKernels& kernels;
@@ -55,6 +54,17 @@ class AlongMotion {
   const FigureLayout& layout_;
   double* figures_;
 };
+
+bool any_of_kind(const std::vector<Coordinate>& coordinates, bool (*kind)(Coordinate)) {
+  return std::ranges::any_of(coordinates, kind);
+}
+
+/// x y z, or x y z rx ry rz.
+bool are_leading(const std::vector<Coordinate>& coordinates) {
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    if (coordinates[i] != static_cast<Coordinate>(i)) return false;
+  return coordinates.size() == 3 || coordinates.size() == 6;
+}
 
 }  // namespace
 
@@ -106,21 +116,6 @@ std::vector<double> BatchedError::take_sums() {
     }
   return sums;
 }
-
-namespace {
-
-bool any_of_kind(const std::vector<Coordinate>& coordinates, bool (*kind)(Coordinate)) {
-  return std::ranges::any_of(coordinates, kind);
-}
-
-/// x y z, or x y z rx ry rz.
-bool are_leading(const std::vector<Coordinate>& coordinates) {
-  for (std::size_t i = 0; i < coordinates.size(); ++i)
-    if (coordinates[i] != static_cast<Coordinate>(i)) return false;
-  return coordinates.size() == 3 || coordinates.size() == 6;
-}
-
-}  // namespace
 
 PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& requested)
     : chain_(fold(model.chain,

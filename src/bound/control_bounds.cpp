@@ -14,7 +14,6 @@
 #include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
-
 /// The largest kd at which the torque keeps a limit; 0 if none does.
 ///
 /// ||kp + kd H||_1 h + |kp + kd H(1)| |m| and ||kp + kd H||_2 sigma are convex in kd, so that below the
@@ -58,44 +57,6 @@ Eigen::RowVectorXd torque_norms(const OperationalModel& model, std::size_t joint
   for (Eigen::Index e = 0; e < norms.size(); ++e) norms[e] = control.tip->velocity_sums.l1(k[e], d[e]);
   return norms;
 }
-
-}  // namespace
-
-/// The torques due to errors within their half widths; means are left out.
-std::vector<OpenTorque> open_torques(const OperationalModel& model, const Eigen::MatrixXd& configurations) {
-  const Control& control = *model.control;
-  const Transmission& t = model.transmission;
-  const auto& joints = model.chain.independent;
-  std::vector<IndependentError> errors = independent_errors(model);
-  std::erase_if(errors, [](const auto& e) { return e.where == IndependentError::Where::origin; });
-  Eigen::MatrixXd moved(std::ssize(joints), std::ssize(errors));
-  for (Eigen::Index e = 0; e < moved.cols(); ++e) moved.col(e) = moved_joints(t, errors[e]);
-  std::vector<ResponseSums> sums(joints.size());
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    if (control.joints[j].kd > 0) sums[j] = response_sums(control.joints[j].velocity_filter);
-  std::vector<OpenTorque> all;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    if (!control.tip && !control.joints[j].acts()) continue;
-    OpenTorque r{j, 0, {}, Eigen::VectorXd::Zero(std::ssize(joints))};
-    const Eigen::Index count = control.tip ? configurations.cols() : 1;
-    for (Eigen::Index c = 0; c < count; ++c) {
-      const Eigen::RowVectorXd norms = torque_norms(model, j, configurations.col(c), moved, sums);
-      Eigen::VectorXd parts = Eigen::VectorXd::Zero(r.share.size());
-      for (Eigen::Index e = 0; e < norms.size(); ++e) {
-        const IndependentError& error = errors[e];
-        parts[error.owner] += std::abs(norms[e]) * error.half_width;
-      }
-      if (!(parts.sum() > 0)) continue;
-      r.worst_case = std::max(r.worst_case, parts.sum());
-      r.share += parts / parts.sum() / static_cast<double>(count);
-    }
-    if (const auto& limit = joints[j].effort_limit; limit && *limit > 0) r.relative = r.worst_case / *limit;
-    all.push_back(std::move(r));
-  }
-  return all;
-}
-
-namespace {
 
 /// Half of it is the largest error of a joint's reading that its counts make [rad or m].
 double count_of(const OperationalModel& model, std::size_t joint) {
@@ -297,6 +258,40 @@ bool have_one_loop(const OperationalModel& model, std::size_t a, std::size_t b) 
 }
 
 }  // namespace
+
+/// The torques due to errors within their half widths; means are left out.
+std::vector<OpenTorque> open_torques(const OperationalModel& model, const Eigen::MatrixXd& configurations) {
+  const Control& control = *model.control;
+  const Transmission& t = model.transmission;
+  const auto& joints = model.chain.independent;
+  std::vector<IndependentError> errors = independent_errors(model);
+  std::erase_if(errors, [](const auto& e) { return e.where == IndependentError::Where::origin; });
+  Eigen::MatrixXd moved(std::ssize(joints), std::ssize(errors));
+  for (Eigen::Index e = 0; e < moved.cols(); ++e) moved.col(e) = moved_joints(t, errors[e]);
+  std::vector<ResponseSums> sums(joints.size());
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (control.joints[j].kd > 0) sums[j] = response_sums(control.joints[j].velocity_filter);
+  std::vector<OpenTorque> all;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!control.tip && !control.joints[j].acts()) continue;
+    OpenTorque r{j, 0, {}, Eigen::VectorXd::Zero(std::ssize(joints))};
+    const Eigen::Index count = control.tip ? configurations.cols() : 1;
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const Eigen::RowVectorXd norms = torque_norms(model, j, configurations.col(c), moved, sums);
+      Eigen::VectorXd parts = Eigen::VectorXd::Zero(r.share.size());
+      for (Eigen::Index e = 0; e < norms.size(); ++e) {
+        const IndependentError& error = errors[e];
+        parts[error.owner] += std::abs(norms[e]) * error.half_width;
+      }
+      if (!(parts.sum() > 0)) continue;
+      r.worst_case = std::max(r.worst_case, parts.sum());
+      r.share += parts / parts.sum() / static_cast<double>(count);
+    }
+    if (const auto& limit = joints[j].effort_limit; limit && *limit > 0) r.relative = r.worst_case / *limit;
+    all.push_back(std::move(r));
+  }
+  return all;
+}
 
 std::vector<WorstLoop> worst_loops(const OperationalModel& model, const std::vector<std::size_t>& joints,
                                    const Eigen::MatrixXd& configurations) {

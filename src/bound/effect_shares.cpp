@@ -53,6 +53,20 @@ Spread uniform(double lower, double upper) {
   return {lower, upper, mean, mean * mean + half * half / 3};
 }
 
+double sigma_ratio(const EffectShare& s, const Norms& norms, std::optional<double> step_energy) {
+  switch (s.share->spectrum) {
+    case Spectrum::constant:
+      return std::abs(norms.dc_gain);
+    case Spectrum::motion:
+      break;
+    case Spectrum::white:
+      return norms.h2;
+  }
+  if (s.reversals && step_energy && s.share->sigma > 0)
+    return s.share->step_at_reversal / s.share->sigma * std::sqrt(*step_energy * *s.reversals);
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 Spread spread_of(std::span<const double> samples) {
@@ -127,24 +141,6 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   }
   return shares;
 }
-
-namespace {
-
-double sigma_ratio(const EffectShare& s, const Norms& norms, std::optional<double> step_energy) {
-  switch (s.share->spectrum) {
-    case Spectrum::constant:
-      return std::abs(norms.dc_gain);
-    case Spectrum::motion:
-      break;
-    case Spectrum::white:
-      return norms.h2;
-  }
-  if (s.reversals && step_energy && s.share->sigma > 0)
-    return s.share->step_at_reversal / s.share->sigma * std::sqrt(*step_energy * *s.reversals);
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
-}  // namespace
 
 std::vector<IndependentError> error_sources(const OperationalModel& model,
                                             const std::vector<EffectShare>& shares,

@@ -26,6 +26,51 @@ Eigen::Matrix3d axes_before(const Chain& chain, const Eigen::VectorXd& q, std::s
   return axes;
 }
 
+bool same_place(const IndependentError& a, const IndependentError& b) {
+  if (a.where != b.where) return false;
+  if (a.where != IndependentError::Where::origin) return a.owner == b.owner;
+  return a.link == b.link && a.direction == b.direction;
+}
+
+bool needs_rotation(const OperationalModel& model) {
+  return model.frame == CoordinateFrame::tip || std::ranges::any_of(model.coordinates, is_euler_angle);
+}
+
+Eigen::VectorXd zeros(std::size_t count) { return Eigen::VectorXd::Zero(count); }
+
+/// @param noise  of the filter in a motion [quantization intervals]; null: not known
+ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const OperationalModel& model,
+                                        std::size_t filter, const Norms& norms,
+                                        const Eigen::VectorXd* noise) {
+  ErrorWeights::Filtered w{norms.l1.upper,
+                           std::abs(norms.dc_gain),
+                           {},
+                           {},
+                           zeros(columns.columns()),
+                           zeros(columns.coordinates()),
+                           zeros(columns.coordinates())};
+  if (model.along_motion) {
+    w.added_worst = model.along_motion->filtered[filter].peak;
+    w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
+  }
+  const std::vector<IndependentError> errors = independent_errors(model);
+  const auto of_errors = [&](std::size_t count, bool beside_noise_in_motion) {
+    Eigen::VectorXd variance = zeros(columns.columns());
+    const Eigen::VectorXd ratios = sigma_ratios(errors, filter, norms.h2, beside_noise_in_motion);
+    for (std::size_t i = 0; i < count; ++i)
+      variance[columns.column_of(errors[i])] += std::pow(errors[i].sigma * ratios[i], 2);
+    return variance;
+  };
+  w.variance_of_quantization = of_errors(model.transmission.encoders.size(), false);
+  if (!sigma_is_known(model.sources, filter)) return w;
+  w.variance = of_errors(errors.size(), false);
+  if (!noise) return w;
+  w.variance_in_motion = of_errors(errors.size(), true);
+  w.variance_in_motion.head(noise->size()) +=
+      noise->cwiseProduct(resolutions(model.transmission)).cwiseAbs2();
+  return w;
+}
+
 }  // namespace
 
 Eigen::VectorXd error_column(const IndependentError& s, const OperationalModel& model,
@@ -43,20 +88,6 @@ Eigen::VectorXd error_column(const IndependentError& s, const OperationalModel& 
   }
   return column;
 }
-
-namespace {
-
-bool same_place(const IndependentError& a, const IndependentError& b) {
-  if (a.where != b.where) return false;
-  if (a.where != IndependentError::Where::origin) return a.owner == b.owner;
-  return a.link == b.link && a.direction == b.direction;
-}
-
-bool needs_rotation(const OperationalModel& model) {
-  return model.frame == CoordinateFrame::tip || std::ranges::any_of(model.coordinates, is_euler_angle);
-}
-
-}  // namespace
 
 ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<IndependentError>& sources,
                            const Configurations& configurations, unsigned threads, InstructionSet set)
@@ -171,45 +202,6 @@ std::size_t ErrorColumns::column_of(const IndependentError& s) const {
   if (found == places_.end()) throw std::logic_error("no column for this error source");
   return found - places_.begin();
 }
-
-namespace {
-
-Eigen::VectorXd zeros(std::size_t count) { return Eigen::VectorXd::Zero(count); }
-
-/// @param noise  of the filter in a motion [quantization intervals]; null: not known
-ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const OperationalModel& model,
-                                        std::size_t filter, const Norms& norms,
-                                        const Eigen::VectorXd* noise) {
-  ErrorWeights::Filtered w{norms.l1.upper,
-                           std::abs(norms.dc_gain),
-                           {},
-                           {},
-                           zeros(columns.columns()),
-                           zeros(columns.coordinates()),
-                           zeros(columns.coordinates())};
-  if (model.along_motion) {
-    w.added_worst = model.along_motion->filtered[filter].peak;
-    w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
-  }
-  const std::vector<IndependentError> errors = independent_errors(model);
-  const auto of_errors = [&](std::size_t count, bool beside_noise_in_motion) {
-    Eigen::VectorXd variance = zeros(columns.columns());
-    const Eigen::VectorXd ratios = sigma_ratios(errors, filter, norms.h2, beside_noise_in_motion);
-    for (std::size_t i = 0; i < count; ++i)
-      variance[columns.column_of(errors[i])] += std::pow(errors[i].sigma * ratios[i], 2);
-    return variance;
-  };
-  w.variance_of_quantization = of_errors(model.transmission.encoders.size(), false);
-  if (!sigma_is_known(model.sources, filter)) return w;
-  w.variance = of_errors(errors.size(), false);
-  if (!noise) return w;
-  w.variance_in_motion = of_errors(errors.size(), true);
-  w.variance_in_motion.head(noise->size()) +=
-      noise->cwiseProduct(resolutions(model.transmission)).cwiseAbs2();
-  return w;
-}
-
-}  // namespace
 
 ErrorWeights error_weights(const ErrorColumns& columns, const OperationalModel& model,
                            const std::vector<Norms>& filters,

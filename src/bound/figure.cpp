@@ -30,6 +30,15 @@ constexpr std::array<BoundRow, 5> bound_rows{
      {"sigma_quantization", "sigma of quantization alone, without accuracies and effects"},
      {"sigma_in_motion", "root mean square along `motion:`, over all zeros of the encoders"}}};
 
+constexpr StatisticKind kinds[] = {
+    {"min", "", "minimum", &Statistic::min},
+    {"mean", "", "mean", &Statistic::mean},
+    {"max", "max", "maximum", &Statistic::max},
+    {"p50", "median", "median", &Statistic::p50, 0.50},
+    {"p95", "p95", "95th percentile", &Statistic::p95, 0.95},
+    {"p99", "p99", "99th percentile", &Statistic::p99, 0.99},
+};
+
 }  // namespace
 
 std::span<const Bound> bounds_of(bool behind_filter) {
@@ -69,19 +78,6 @@ void tally_some(const double* values, std::size_t count, std::uint64_t first, Ta
     t.max = values[i];
   }
 }
-
-namespace {
-
-constexpr StatisticKind kinds[] = {
-    {"min", "", "minimum", &Statistic::min},
-    {"mean", "", "mean", &Statistic::mean},
-    {"max", "max", "maximum", &Statistic::max},
-    {"p50", "median", "median", &Statistic::p50, 0.50},
-    {"p95", "p95", "95th percentile", &Statistic::p95, 0.95},
-    {"p99", "p99", "99th percentile", &Statistic::p99, 0.99},
-};
-
-}  // namespace
 
 std::span<const StatisticKind> statistic_kinds() { return kinds; }
 

@@ -35,15 +35,6 @@ double sigma_of(const Autocorrelation& a, Loss loss_of) {
   return std::sqrt(std::max(0.0, a.dc_gain * a.dc_gain / 12 - sum));
 }
 
-}  // namespace
-
-double constant_speed_sigma(const Autocorrelation& a, double v) {
-  const double speed = std::abs(std::remainder(v, 1.0));
-  return sigma_of(a, [&](std::size_t n) { return loss(static_cast<double>(n) * speed); });
-}
-
-namespace {
-
 /// |H|^2 at a frequency of `part` cycles per sample.
 double power(const Filter& filter, double part) {
   return std::norm(response(filter, std::remainder(part, 1.0) * filter.sample_rate));
@@ -71,28 +62,6 @@ double sigma_by_harmonics(const Filter& filter, double v) {
   for (int k = most; k > 0; --k) sum += power(filter, k * v) / (2 * pi * pi * k * static_cast<double>(k));
   return std::sqrt(sum + std::pow(h2_norm(filter), 2) / (2 * pi * pi * (most + 0.5)));
 }
-
-}  // namespace
-
-double constant_speed_sigma(const Filter& filter, double v) {
-  if (const auto memory = autocorrelation_within(filter)) return constant_speed_sigma(*memory, v);
-  return sigma_by_harmonics(filter, std::remainder(v, 1.0));
-}
-
-double sine_sigma(const Autocorrelation& a, double amplitude, double cycles) {
-  return sigma_of(a, [&](std::size_t n) {
-    return sine_loss(2 * amplitude *
-                     std::abs(std::sin(pi * std::remainder(static_cast<double>(n) * cycles, 1.0))));
-  });
-}
-
-double slow_sine_sigma(const Autocorrelation& a, double peak, int bits) {
-  return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak), bits); });
-}
-
-double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
-
-namespace {
 
 /// Up to this many quanta per sample every unit interval is searched on the whole grid.
 constexpr int first_intervals = 8;
@@ -210,6 +179,29 @@ class ThresholdSearch {
 };
 
 }  // namespace
+
+double constant_speed_sigma(const Autocorrelation& a, double v) {
+  const double speed = std::abs(std::remainder(v, 1.0));
+  return sigma_of(a, [&](std::size_t n) { return loss(static_cast<double>(n) * speed); });
+}
+
+double constant_speed_sigma(const Filter& filter, double v) {
+  if (const auto memory = autocorrelation_within(filter)) return constant_speed_sigma(*memory, v);
+  return sigma_by_harmonics(filter, std::remainder(v, 1.0));
+}
+
+double sine_sigma(const Autocorrelation& a, double amplitude, double cycles) {
+  return sigma_of(a, [&](std::size_t n) {
+    return sine_loss(2 * amplitude *
+                     std::abs(std::sin(pi * std::remainder(static_cast<double>(n) * cycles, 1.0))));
+  });
+}
+
+double slow_sine_sigma(const Autocorrelation& a, double peak, int bits) {
+  return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak), bits); });
+}
+
+double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
 
 std::optional<double> ipqn_threshold(const Autocorrelation& a, double tolerance) {
   if (a.r.size() > longest_threshold_search) return std::nullopt;

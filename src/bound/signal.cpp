@@ -4,7 +4,6 @@
 #include "qerr/bound/operational_error.hpp"
 
 namespace qerr {
-
 const std::vector<SignalKind>& signal_kinds() {
   static const std::vector<SignalKind> all{
 #define QERR_SIGNAL(name) name##_signal(),
@@ -23,6 +22,11 @@ std::vector<Signal> signals_of(const SignalKind& kind, const OperationalModel& m
     signals[i].index = i;
   }
   return signals;
+}
+
+SignalMoments moments_of(const SignalMoments& all, Eigen::Index signal) {
+  return {all.mean.segment(signal, 1), all.peak.segment(signal, 1),
+          all.covariance.block(signal, signal, 1, 1)};
 }
 
 }  // namespace
@@ -45,15 +49,6 @@ std::vector<std::string> signal_names(const OperationalModel& model) {
     for (const Signal& signal : kind.signals(model)) names.push_back(signal.name);
   return names;
 }
-
-namespace {
-
-SignalMoments moments_of(const SignalMoments& all, Eigen::Index signal) {
-  return {all.mean.segment(signal, 1), all.peak.segment(signal, 1),
-          all.covariance.block(signal, signal, 1, 1)};
-}
-
-}  // namespace
 
 OperationalModel coordinate_model(OperationalModel model, std::size_t signal) {
   const std::size_t before = model.coordinates.size() + model.lengths.size();

@@ -27,6 +27,16 @@ Eigen::VectorXd of_each(const std::vector<IndependentError>& errors, Get get) {
   return values;
 }
 
+std::size_t index_of(const std::vector<Coordinate>& list, Coordinate c) {
+  return std::ranges::find(list, c) - list.begin();
+}
+
+double length_at(const Eigen::VectorXd& values, const std::array<std::size_t, 3>& components) {
+  double sum = 0;
+  for (const std::size_t c : components) sum += std::pow(values[c], 2);
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
 Eigen::MatrixXd signal_rows(const OperationalModel& model, const Eigen::VectorXd& q) {
@@ -182,20 +192,6 @@ double largest_corner(const Eigen::Vector3d& mean, const Eigen::Matrix3Xd& gener
                           lengths.data(), scratch.data());
   return lengths[0];
 }
-
-namespace {
-
-std::size_t index_of(const std::vector<Coordinate>& list, Coordinate c) {
-  return std::ranges::find(list, c) - list.begin();
-}
-
-double length_at(const Eigen::VectorXd& values, const std::array<std::size_t, 3>& components) {
-  double sum = 0;
-  for (const std::size_t c : components) sum += std::pow(values[c], 2);
-  return std::sqrt(sum);
-}
-
-}  // namespace
 
 LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& requested,
                            const FigureLayout& layout, InstructionSet set)

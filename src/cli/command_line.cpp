@@ -240,6 +240,18 @@ int show_version() {
   return 0;
 }
 
+std::vector<std::string> when_words() { return {"auto", "always", "never"}; }
+
+std::vector<Command> table() {
+  std::vector<Command> rows{analyze_command(),  check_command(),     compare_command(),   sweep_command(),
+                            merge_command(),    design_command(),    filter_command(),    simulate_command(),
+                            diagnose_command(), threshold_command(), robot_command(),     list_command(),
+                            schema_command(),   help_command(),      completion_command()};
+  for (Command& command : rows)
+    command.options.insert(command.options.end(), global_options().begin(), global_options().end());
+  return rows;
+}
+
 }  // namespace
 
 int run_command_line(const Words& words) {
@@ -263,22 +275,6 @@ int run_command_line(const Words& words) {
     warn({"the system permits fewer threads than asked for: slower, with the same result"}, values);
   return code;
 }
-
-namespace {
-
-std::vector<std::string> when_words() { return {"auto", "always", "never"}; }
-
-std::vector<Command> table() {
-  std::vector<Command> rows{analyze_command(),  check_command(),     compare_command(),   sweep_command(),
-                            merge_command(),    design_command(),    filter_command(),    simulate_command(),
-                            diagnose_command(), threshold_command(), robot_command(),     list_command(),
-                            schema_command(),   help_command(),      completion_command()};
-  for (Command& command : rows)
-    command.options.insert(command.options.end(), global_options().begin(), global_options().end());
-  return rows;
-}
-
-}  // namespace
 
 const std::vector<Option>& global_options() {
   static const std::vector<Option> rows{

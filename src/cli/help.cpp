@@ -87,34 +87,6 @@ Page overview_page() {
   return page;
 }
 
-}  // namespace
-
-const std::vector<Page>& topics() {
-  static const std::vector<Page> pages = [] {
-    std::vector<Page> all;
-    for (const std::string_view text : topic_texts()) all.push_back(parse_markdown(text));
-    std::ranges::sort(all, [](const Page& a, const Page& b) { return a.name < b.name; });
-    return all;
-  }();
-  return pages;
-}
-
-std::vector<std::string> page_names() {
-  std::vector<std::string> names = command_names();
-  append(names, names_of(topics()));
-  return names;
-}
-
-Page page_of(std::string_view name) {
-  if (name.empty()) return overview_page();
-  if (const Command* command = command_of(name)) return command_page(*command);
-  for (const Page& topic : topics())
-    if (topic.name == name) return topic;
-  throw std::logic_error("no page of the help has the name '" + std::string(name) + "'");
-}
-
-namespace {
-
 /// Every page in a file of its own.
 /// @param option  that names the folder, for messages
 /// @param place   of a page, relative to the folder
@@ -162,29 +134,6 @@ int run_help(const Values& v) {
   finish(out, to_terminal(asked_page(v.texts("WORD")), terminal_style(v)));
   return 0;
 }
-
-}  // namespace
-
-Command help_command() {
-  return {"help",
-          "The commands and topics, one of them, or the pages that have a word",
-          {{.name = "WORD",
-            .kind = OptionKind::repeat,
-            .meaning = "a command, a topic, or words to search for",
-            .choices = page_names,
-            .open = true,
-            .choice = "command or topic"},
-           valued("--man", "FOLDER", "write all pages as man pages there; man -M FOLDER shows them"),
-           valued("--html", "FOLDER", "write all pages there as a static site: index.html")},
-          run_help,
-          {{"qerr help", "the commands and the topics"},
-           {"qerr help encoders", "how to specify an encoder, with the words of its data sheet"},
-           {"qerr help figures", "what the figures of a report mean, and on what they depend"},
-           {"qerr help TCP", "every page that has the word"},
-           {"qerr help --html site", "all pages as a static site"}}};
-}
-
-namespace {
 
 constexpr std::size_t most_shown_pages = 5, most_shown_places = 3, most_shown_characters = 240;
 
@@ -264,6 +213,49 @@ Found found_in(const Page& page, const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+const std::vector<Page>& topics() {
+  static const std::vector<Page> pages = [] {
+    std::vector<Page> all;
+    for (const std::string_view text : topic_texts()) all.push_back(parse_markdown(text));
+    std::ranges::sort(all, [](const Page& a, const Page& b) { return a.name < b.name; });
+    return all;
+  }();
+  return pages;
+}
+
+std::vector<std::string> page_names() {
+  std::vector<std::string> names = command_names();
+  append(names, names_of(topics()));
+  return names;
+}
+
+Page page_of(std::string_view name) {
+  if (name.empty()) return overview_page();
+  if (const Command* command = command_of(name)) return command_page(*command);
+  for (const Page& topic : topics())
+    if (topic.name == name) return topic;
+  throw std::logic_error("no page of the help has the name '" + std::string(name) + "'");
+}
+
+Command help_command() {
+  return {"help",
+          "The commands and topics, one of them, or the pages that have a word",
+          {{.name = "WORD",
+            .kind = OptionKind::repeat,
+            .meaning = "a command, a topic, or words to search for",
+            .choices = page_names,
+            .open = true,
+            .choice = "command or topic"},
+           valued("--man", "FOLDER", "write all pages as man pages there; man -M FOLDER shows them"),
+           valued("--html", "FOLDER", "write all pages there as a static site: index.html")},
+          run_help,
+          {{"qerr help", "the commands and the topics"},
+           {"qerr help encoders", "how to specify an encoder, with the words of its data sheet"},
+           {"qerr help figures", "what the figures of a report mean, and on what they depend"},
+           {"qerr help TCP", "every page that has the word"},
+           {"qerr help --html site", "all pages as a static site"}}};
+}
 
 std::optional<Page> search_pages(const std::vector<std::string>& words) {
   std::vector<Page> pages;

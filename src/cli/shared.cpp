@@ -54,6 +54,102 @@ std::vector<std::string> keys_of_spec() {
   return keys;
 }
 
+/// Refuses an ending that an output of one format, such as FILE.csv, does not have.
+void require_own_endings(const std::vector<Option>& of_command, const Values& v) {
+  for (const Option& option : of_command) {
+    const std::string ending = std::filesystem::path(v.text(option.key())).extension().string();
+    const std::string known(option.value == "FILE.csv" ? ".csv .txt" : option.endings);
+    if (known.empty() || ending.empty() || (' ' + known + ' ').find(' ' + ending + ' ') != std::string::npos)
+      continue;
+    throw usage(option.long_name(), "this output has no format with the ending", quoted(ending),
+                "known: " + known + ", or none");
+  }
+}
+
+constexpr std::size_t least_width = 40, usual_width = 80, largest_width = 1000;
+
+std::string environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text ? text : "";
+}
+
+/// COLUMNS, else that of the terminal behind the stream, else `otherwise`.
+std::size_t terminal_width(int stream, bool on_terminal, std::size_t otherwise) {
+  const auto columns = parse_number(environment("COLUMNS"));
+  if (columns && *columns >= least_width && *columns <= largest_width)
+    return static_cast<std::size_t>(*columns);
+  struct winsize size {};
+  const bool known = on_terminal && ioctl(stream, TIOCGWINSZ, &size) == 0 && size.ws_col >= least_width;
+  return known ? size.ws_col : otherwise;
+}
+
+bool colored(const Values& v, bool on_terminal) {
+  if (v.given("no-color") || v.text("color") == "never") return false;
+  if (v.text("color") == "always") return true;
+  return on_terminal && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+}
+
+/// Whether the locale's characters are UTF-8, by the variables of POSIX in their order of precedence.
+bool locale_is_utf8() {
+  for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+    std::string locale = environment(name);
+    if (locale.empty()) continue;
+    std::ranges::transform(locale, locale.begin(), [](char c) {
+      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
+    return locale.find("utf-8") != std::string::npos || locale.find("utf8") != std::string::npos;
+  }
+  return false;
+}
+
+/// `4000`, `20.0 M`.
+std::string amount(double count) {
+  if (count < 1e5) return significant(count, 6);
+  std::string text = readable(count, "x");
+  text.pop_back();  // a prefix without a unit
+  return text;
+}
+
+std::atomic<bool> progress_is_visible = false;
+std::atomic<const std::string*> on_interrupt = nullptr;
+
+using Clock = std::chrono::steady_clock;
+
+/// A line on standard error that is written anew while work goes on; where the program runs within another
+/// one, the place where that one stops the work.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const Values& v) : by_(caller()), terminal_(isatty(STDERR_FILENO)) {
+    const std::string& when = v.text("progress");
+    silent_ = when == "never" || (when == "auto" && (v.given("quiet") || !terminal_));
+  }
+  bool is_needed() const { return by_ || !silent_; }
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+  /// Whether it is time for the next line. The rate of the first moment misleads.
+  /// @throws Stopped if the caller has stopped the work
+  bool is_due() {
+    if (by_ && by_->stops) throw Stopped();
+    const auto now = Clock::now();
+    if (by_ || now - start_ < std::chrono::milliseconds(300) ||
+        now - shown_ < std::chrono::milliseconds(terminal_ ? 100 : 1000))
+      return false;
+    shown_ = now;
+    return true;
+  }
+
+  void show(const std::string& line) const {
+    std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
+    std::fflush(stderr);
+    progress_is_visible = terminal_;
+  }
+
+ private:
+  Caller* by_;
+  bool terminal_, silent_ = false;
+  Clock::time_point start_ = Clock::now(), shown_ = start_;
+};
+
 }  // namespace
 
 std::vector<Option> spec_options(std::string_view meaning) {
@@ -213,22 +309,6 @@ std::unique_ptr<OutputFile> opened_report(const Values& v, std::initializer_list
   return taken && !v.given("output") && !v.given("format") ? nullptr : opened(v, "output");
 }
 
-namespace {
-
-/// Refuses an ending that an output of one format, such as FILE.csv, does not have.
-void require_own_endings(const std::vector<Option>& of_command, const Values& v) {
-  for (const Option& option : of_command) {
-    const std::string ending = std::filesystem::path(v.text(option.key())).extension().string();
-    const std::string known(option.value == "FILE.csv" ? ".csv .txt" : option.endings);
-    if (known.empty() || ending.empty() || (' ' + known + ' ').find(' ' + ending + ' ') != std::string::npos)
-      continue;
-    throw usage(option.long_name(), "this output has no format with the ending", quoted(ending),
-                "known: " + known + ", or none");
-  }
-}
-
-}  // namespace
-
 void require_known_ending(const std::vector<Option>& of_command, const Values& v) {
   require_own_endings(of_command, v);
   const auto format =
@@ -294,57 +374,6 @@ void warn(const SpecWarnings& of_specs, const Values& v) {
   warn(named, v);
 }
 
-namespace {
-
-constexpr std::size_t least_width = 40, usual_width = 80, largest_width = 1000;
-
-std::string environment(const char* name) {
-  const char* text = std::getenv(name);
-  return text ? text : "";
-}
-
-/// COLUMNS, else that of the terminal behind the stream, else `otherwise`.
-std::size_t terminal_width(int stream, bool on_terminal, std::size_t otherwise) {
-  const auto columns = parse_number(environment("COLUMNS"));
-  if (columns && *columns >= least_width && *columns <= largest_width)
-    return static_cast<std::size_t>(*columns);
-  struct winsize size {};
-  const bool known = on_terminal && ioctl(stream, TIOCGWINSZ, &size) == 0 && size.ws_col >= least_width;
-  return known ? size.ws_col : otherwise;
-}
-
-bool colored(const Values& v, bool on_terminal) {
-  if (v.given("no-color") || v.text("color") == "never") return false;
-  if (v.text("color") == "always") return true;
-  return on_terminal && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
-}
-
-/// Whether the locale's characters are UTF-8, by the variables of POSIX in their order of precedence.
-bool locale_is_utf8() {
-  for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
-    std::string locale = environment(name);
-    if (locale.empty()) continue;
-    std::ranges::transform(locale, locale.begin(), [](char c) {
-      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
-    return locale.find("utf-8") != std::string::npos || locale.find("utf8") != std::string::npos;
-  }
-  return false;
-}
-
-/// `4000`, `20.0 M`.
-std::string amount(double count) {
-  if (count < 1e5) return significant(count, 6);
-  std::string text = readable(count, "x");
-  text.pop_back();  // a prefix without a unit
-  return text;
-}
-
-std::atomic<bool> progress_is_visible = false;
-std::atomic<const std::string*> on_interrupt = nullptr;
-
-}  // namespace
-
 std::string duration(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e15)));
   const std::uint64_t minutes = whole / 60, hours = minutes / 60;
@@ -375,47 +404,6 @@ void print_error(const std::string& text) {
   const std::size_t width = message_width();
   std::fputs((width > 0 ? within(text, width) : text + '\n').c_str(), stderr);
 }
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// A line on standard error that is written anew while work goes on; where the program runs within another
-/// one, the place where that one stops the work.
-class ProgressLine {
- public:
-  explicit ProgressLine(const Values& v) : by_(caller()), terminal_(isatty(STDERR_FILENO)) {
-    const std::string& when = v.text("progress");
-    silent_ = when == "never" || (when == "auto" && (v.given("quiet") || !terminal_));
-  }
-  bool is_needed() const { return by_ || !silent_; }
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
-  /// Whether it is time for the next line. The rate of the first moment misleads.
-  /// @throws Stopped if the caller has stopped the work
-  bool is_due() {
-    if (by_ && by_->stops) throw Stopped();
-    const auto now = Clock::now();
-    if (by_ || now - start_ < std::chrono::milliseconds(300) ||
-        now - shown_ < std::chrono::milliseconds(terminal_ ? 100 : 1000))
-      return false;
-    shown_ = now;
-    return true;
-  }
-
-  void show(const std::string& line) const {
-    std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "%s\n", line.c_str());
-    std::fflush(stderr);
-    progress_is_visible = terminal_;
-  }
-
- private:
-  Caller* by_;
-  bool terminal_, silent_ = false;
-  Clock::time_point start_ = Clock::now(), shown_ = start_;
-};
-
-}  // namespace
 
 std::string_view interrupt_message() noexcept {
   if (const std::string* said = on_interrupt) return *said;

@@ -10,7 +10,6 @@
 #include "filter/run/cascade.hpp"
 
 namespace qerr {
-
 double Control::samples_of_delay(std::size_t joint) const {
   const double samples = (delay + joints[joint].reading.delay) * sample_rate;
   return std::abs(samples - std::round(samples)) < 1e-9 ? std::round(samples) : samples;
@@ -192,6 +191,49 @@ bool never_oscillates(const TransferRatio& open, double sector) {
   return positive_roots(p).empty() && value(p, 1) > 0;
 }
 
+TransferRatio controller_ratio(const JointController& c) {
+  if (c.kd == 0) return {{c.kp}, {1}};
+  const TransferRatio h = ratio_of(c.velocity_filter);
+  return {sum(scaled(h.a, c.kp), scaled(h.b, c.kd)), h.a};
+}
+
+/// Narrows the margins to those where a gain that varies by 1 -+ slope from place to place is largest and
+/// least.
+void narrow(LoopMargins& m, double slope) {
+  if (slope == 0) return;
+  for (double& gain : m.critical_gains) gain /= 1 + slope;
+  m.gain /= 1 + slope;
+  if (m.lower_gain > 0) m.lower_gain = slope < 1 ? m.lower_gain / (1 - slope) : 1;
+  m.stable = m.stable && m.gain > 1 && m.lower_gain < 1;
+}
+
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+constexpr int halvings = 60;  // of an interval: to the last bit of a double
+
+/// Amplitudes are in half widths of the play.
+Complex of_play(double amplitude, bool behind) {
+  if (!behind) return {1, 4 / (pi * amplitude)};
+  const double b = 1 - 2 / amplitude, s = 1 - b * b;
+  return {(0.5 * pi + std::asin(b) + b * std::sqrt(s)) / pi, -s / pi};
+}
+
+/// The amplitude at which N has an angle, which falls from pi/2 to 0 while it grows.
+double amplitude_of(double angle, bool behind) {
+  if (!behind) return 4 / (pi * std::tan(angle));
+  const auto lags_more = [&](double amplitude) { return -std::arg(of_play(amplitude, true)) > angle; };
+  Change at{1, 2};
+  for (; lags_more(at.fails); at.fails *= 2) at.holds = at.fails;
+  return bisect(at, halvings, lags_more).holds;
+}
+
+Complex value(const PolynomialInW& p, const Complex& w) {
+  Complex sum = 0;
+  for (std::size_t k = p.size(); k-- > 0;) sum = sum * w + static_cast<double>(p[k]);
+  return sum;
+}
+
 }  // namespace
 
 TransferRatio plant_of(double inertia, double damping, double sample_rate, double late) {
@@ -204,16 +246,6 @@ TransferRatio plant_of(double inertia, double damping, double sample_rate, doubl
   return ratio_of_delays({s[0], s[1] + c1 * s[0], late == 0 ? Binary1024(0) : s[2] + c1 * s[1] + c2 * s[0]},
                          {1, -1 - p, p});
 }
-
-namespace {
-
-TransferRatio controller_ratio(const JointController& c) {
-  if (c.kd == 0) return {{c.kp}, {1}};
-  const TransferRatio h = ratio_of(c.velocity_filter);
-  return {sum(scaled(h.a, c.kp), scaled(h.b, c.kd)), h.a};
-}
-
-}  // namespace
 
 Filter controller_of(const JointController& c, double sample_rate) {
   if (c.kd == 0) return {{}, c.kp, sample_rate, 0, {1}};
@@ -260,20 +292,6 @@ std::optional<ClosedLoop> closed(const Loop& loop) {
                     filter_of({scaled(times(loop.controller.b, loop.plant.a), of_error), below},
                               loop.sample_rate, delays(1))};
 }
-
-namespace {
-
-/// Narrows the margins to those where a gain that varies by 1 -+ slope from place to place is largest and
-/// least.
-void narrow(LoopMargins& m, double slope) {
-  if (slope == 0) return;
-  for (double& gain : m.critical_gains) gain /= 1 + slope;
-  m.gain /= 1 + slope;
-  if (m.lower_gain > 0) m.lower_gain = slope < 1 ? m.lower_gain / (1 - slope) : 1;
-  m.stable = m.stable && m.gain > 1 && m.lower_gain < 1;
-}
-
-}  // namespace
 
 LoopMargins margins(const Loop& loop) {
   const TransferRatio open = loop.open();
@@ -344,37 +362,6 @@ double largest_step(const Filter& controller) {
   }
   return largest;
 }
-
-namespace {
-
-using std::numbers::pi;
-using Complex = std::complex<double>;
-
-constexpr int halvings = 60;  // of an interval: to the last bit of a double
-
-/// Amplitudes are in half widths of the play.
-Complex of_play(double amplitude, bool behind) {
-  if (!behind) return {1, 4 / (pi * amplitude)};
-  const double b = 1 - 2 / amplitude, s = 1 - b * b;
-  return {(0.5 * pi + std::asin(b) + b * std::sqrt(s)) / pi, -s / pi};
-}
-
-/// The amplitude at which N has an angle, which falls from pi/2 to 0 while it grows.
-double amplitude_of(double angle, bool behind) {
-  if (!behind) return 4 / (pi * std::tan(angle));
-  const auto lags_more = [&](double amplitude) { return -std::arg(of_play(amplitude, true)) > angle; };
-  Change at{1, 2};
-  for (; lags_more(at.fails); at.fails *= 2) at.holds = at.fails;
-  return bisect(at, halvings, lags_more).holds;
-}
-
-Complex value(const PolynomialInW& p, const Complex& w) {
-  Complex sum = 0;
-  for (std::size_t k = p.size(); k-- > 0;) sum = sum * w + static_cast<double>(p[k]);
-  return sum;
-}
-
-}  // namespace
 
 std::optional<PlayCycle> play_cycle(const Loop& loop, double play, bool behind) {
   const TransferRatio ratio = loop.open();

@@ -79,73 +79,6 @@ class Decay {
   int quiet_ = 0;
 };
 
-}  // namespace
-
-LoopResponse loop_response(const JointController& c, double inertia, double sample_rate, double delay) {
-  const double damping = c.damping.value_or(0), whole = std::floor(delay), late = delay - whole;
-  const Step before = step_of(inertia, damping, late / sample_rate),
-             after = step_of(inertia, damping, (1 - late) / sample_rate);
-  std::vector<double> torques(static_cast<std::size_t>(whole) + 2);  // a ring, the newest at k
-  Filter nothing{{}, 1, sample_rate, 0, {1}};
-  Cascade<double> velocity(c.kd != 0 ? c.velocity_filter : nothing);
-  LoopResponse r;
-  Decay decay;
-  double q = 0, v = 0;
-  const double factor = c.reading.factor;
-  const std::size_t size = torques.size();
-  for (std::size_t k = 0; k < most_samples; ++k) {
-    const double reading = factor * q + (k == 0 ? 1 : 0);
-    const double u = -c.kp * reading - (c.kd != 0 ? c.kd * velocity.step(reading) : 0);
-    torques[k % size] = u;
-    r.motion.push_back(q);
-    r.torque.push_back(u);
-    // Torques are due `delay` after their reading: that of a sample earlier until `late` after this one.
-    if (late > 0) move(before, torques[(k + 1) % size], q, v);
-    move(after, torques[(k + size - static_cast<std::size_t>(whole)) % size], q, v);
-    if (decay.add(r.motion.back(), u)) {
-      r.stable = true;
-      return r;
-    }
-    if (!std::isfinite(q) || !decay.finite()) break;
-  }
-  return {};
-}
-
-ResponseNorms response_norms(const LoopResponse& r, const std::vector<double> LoopResponse::*of) {
-  if (!r.stable) return {endless, endless, endless};
-  return norms_of_sum({&(r.*of)}, {1});
-}
-
-ResponseNorms norms_of_sum(const std::vector<const std::vector<double>*>& responses,
-                           const std::vector<double>& weights) {
-  std::size_t longest = 0;
-  for (const auto* r : responses) longest = std::max(longest, r->size());
-  ResponseNorms n;
-  double squares = 0;
-  for (std::size_t k = 0; k < longest; ++k) {
-    double h = 0;
-    for (std::size_t i = 0; i < responses.size(); ++i)
-      if (k < responses[i]->size()) h += weights[i] * (*responses[i])[k];
-    n.l1 += std::abs(h);
-    n.dc += h;
-    squares += h * h;
-  }
-  n.h2 = std::sqrt(squares);
-  return n;
-}
-
-double inertia_at(const Control& control, const Chain& chain, std::size_t joint, const Eigen::VectorXd& q) {
-  const std::optional<double>& stated = control.joints[joint].inertia;
-  return stated ? *stated : inertia_at(chain, joint, q);
-}
-
-bool has_loop(const Control& control, const Chain& chain, std::size_t joint) {
-  const JointController& c = control.joints[joint];
-  return c.acts() && (c.inertia || has_masses(chain));
-}
-
-namespace {
-
 /// @param sign  of the response to an error: -L/(1 + L) and -C/(1 + L)
 ResponseNorms certified(const Filter& f, double sign) {
   const Norms n = norms(f);
@@ -249,6 +182,69 @@ class LoopRun {
 };
 
 }  // namespace
+
+LoopResponse loop_response(const JointController& c, double inertia, double sample_rate, double delay) {
+  const double damping = c.damping.value_or(0), whole = std::floor(delay), late = delay - whole;
+  const Step before = step_of(inertia, damping, late / sample_rate),
+             after = step_of(inertia, damping, (1 - late) / sample_rate);
+  std::vector<double> torques(static_cast<std::size_t>(whole) + 2);  // a ring, the newest at k
+  Filter nothing{{}, 1, sample_rate, 0, {1}};
+  Cascade<double> velocity(c.kd != 0 ? c.velocity_filter : nothing);
+  LoopResponse r;
+  Decay decay;
+  double q = 0, v = 0;
+  const double factor = c.reading.factor;
+  const std::size_t size = torques.size();
+  for (std::size_t k = 0; k < most_samples; ++k) {
+    const double reading = factor * q + (k == 0 ? 1 : 0);
+    const double u = -c.kp * reading - (c.kd != 0 ? c.kd * velocity.step(reading) : 0);
+    torques[k % size] = u;
+    r.motion.push_back(q);
+    r.torque.push_back(u);
+    // Torques are due `delay` after their reading: that of a sample earlier until `late` after this one.
+    if (late > 0) move(before, torques[(k + 1) % size], q, v);
+    move(after, torques[(k + size - static_cast<std::size_t>(whole)) % size], q, v);
+    if (decay.add(r.motion.back(), u)) {
+      r.stable = true;
+      return r;
+    }
+    if (!std::isfinite(q) || !decay.finite()) break;
+  }
+  return {};
+}
+
+ResponseNorms response_norms(const LoopResponse& r, const std::vector<double> LoopResponse::*of) {
+  if (!r.stable) return {endless, endless, endless};
+  return norms_of_sum({&(r.*of)}, {1});
+}
+
+ResponseNorms norms_of_sum(const std::vector<const std::vector<double>*>& responses,
+                           const std::vector<double>& weights) {
+  std::size_t longest = 0;
+  for (const auto* r : responses) longest = std::max(longest, r->size());
+  ResponseNorms n;
+  double squares = 0;
+  for (std::size_t k = 0; k < longest; ++k) {
+    double h = 0;
+    for (std::size_t i = 0; i < responses.size(); ++i)
+      if (k < responses[i]->size()) h += weights[i] * (*responses[i])[k];
+    n.l1 += std::abs(h);
+    n.dc += h;
+    squares += h * h;
+  }
+  n.h2 = std::sqrt(squares);
+  return n;
+}
+
+double inertia_at(const Control& control, const Chain& chain, std::size_t joint, const Eigen::VectorXd& q) {
+  const std::optional<double>& stated = control.joints[joint].inertia;
+  return stated ? *stated : inertia_at(chain, joint, q);
+}
+
+bool has_loop(const Control& control, const Chain& chain, std::size_t joint) {
+  const JointController& c = control.joints[joint];
+  return c.acts() && (c.inertia || has_masses(chain));
+}
 
 bool close_the_same(const JointController& x, const JointController& y) {
   return x.kp == y.kp && x.kd == y.kd && x.velocity == y.velocity && x.damping == y.damping &&

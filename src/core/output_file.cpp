@@ -97,6 +97,8 @@ void synchronize_folder(const std::string& folder) {
   close(descriptor);
 }
 
+constexpr const char* note_name = "user.qerr";
+
 }  // namespace
 
 void remove_unfinished_outputs() {
@@ -208,12 +210,6 @@ void OutputFile::put_in_place() {
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be replaced", errno);
   end_temporary();
 }
-
-namespace {
-
-constexpr const char* note_name = "user.qerr";
-
-}  // namespace
 
 GrowingFile::GrowingFile(std::string path, const std::string& option, bool keep) : path_(std::move(path)) {
   note_output(path_, option);

@@ -153,34 +153,6 @@ std::string base_units(Dimension d, int sign) {
   return text;
 }
 
-}  // namespace
-
-std::string unit_name(const Dimension& d) {
-  if (d == dimension::frequency) return "Hz";
-  const std::string above = base_units(d, 1);
-  const std::string below = base_units(d, -1);
-  if (below.empty()) return above;
-  const bool brackets = below.find(' ') != std::string::npos;
-  return (above.empty() ? "1" : above) + '/' + (brackets ? '(' + below + ')' : below);
-}
-
-std::optional<double> parse_number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const std::size_t digits = text.starts_with('-') ? 1 : 0;
-  // from_chars also accepts inf, nan and "-+1"; other YAML parsers read leading zeros as octal.
-  if (text.size() <= digits || !((text[digits] >= '0' && text[digits] <= '9') || text[digits] == '.'))
-    return std::nullopt;
-  if (text[digits] == '0' && text.size() > digits + 1 && text[digits + 1] >= '0' && text[digits + 1] <= '9')
-    return std::nullopt;
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
-namespace {
-
 /// The end of the number that begins at `at`: digits, points, signs and exponents. An 'e' belongs to it only
 /// before a digit or sign.
 std::size_t end_of_number(std::string_view text, std::size_t at) {
@@ -237,6 +209,30 @@ std::optional<std::pair<double, std::size_t>> leading_number(std::string_view te
 }
 
 }  // namespace
+
+std::string unit_name(const Dimension& d) {
+  if (d == dimension::frequency) return "Hz";
+  const std::string above = base_units(d, 1);
+  const std::string below = base_units(d, -1);
+  if (below.empty()) return above;
+  const bool brackets = below.find(' ') != std::string::npos;
+  return (above.empty() ? "1" : above) + '/' + (brackets ? '(' + below + ')' : below);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const std::size_t digits = text.starts_with('-') ? 1 : 0;
+  // from_chars also accepts inf, nan and "-+1"; other YAML parsers read leading zeros as octal.
+  if (text.size() <= digits || !((text[digits] >= '0' && text[digits] <= '9') || text[digits] == '.'))
+    return std::nullopt;
+  if (text[digits] == '0' && text.size() > digits + 1 && text[digits + 1] >= '0' && text[digits + 1] <= '9')
+    return std::nullopt;
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
 
 std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) {
   why.clear();

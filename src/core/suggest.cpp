@@ -52,28 +52,6 @@ std::vector<std::string> all_nearest(std::string_view word, const std::vector<st
   return best;
 }
 
-}  // namespace
-
-std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  const std::vector<std::string> best = all_nearest(word, known);
-  return best.empty() ? "" : best.front();
-}
-
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
-  constexpr std::size_t most_suggestions = 2;
-  const std::vector<std::string> near = all_nearest(word, known);
-  if (!near.empty() && near.size() <= most_suggestions)
-    return "did you mean '" + near.front() + "'" + (near.size() > 1 ? " or '" + near.back() + "'" : "") + "?";
-  std::string text = "known: ";
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    if (i == 12) return text + ", ...";
-    text += (i ? ", " : "") + known[i];
-  }
-  return known.empty() ? "no name is allowed here" : text;
-}
-
-namespace {
-
 bool digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string without(std::string_view text, std::string_view characters) {
@@ -283,6 +261,24 @@ bool is_expression(std::string_view text) {
 }
 
 }  // namespace
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  const std::vector<std::string> best = all_nearest(word, known);
+  return best.empty() ? "" : best.front();
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
+  constexpr std::size_t most_suggestions = 2;
+  const std::vector<std::string> near = all_nearest(word, known);
+  if (!near.empty() && near.size() <= most_suggestions)
+    return "did you mean '" + near.front() + "'" + (near.size() > 1 ? " or '" + near.back() + "'" : "") + "?";
+  std::string text = "known: ";
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (i == 12) return text + ", ...";
+    text += (i ? ", " : "") + known[i];
+  }
+  return known.empty() ? "no name is allowed here" : text;
+}
 
 NumberAdvice advice_on_number(std::string_view text, const std::string& why) {
   if (text.find_first_not_of(' ') == std::string_view::npos) return {"a number is missing", ""};

@@ -48,6 +48,9 @@ constexpr CodeRange hidden[]{{0x00, 0x1F},     {0x7F, 0x9F},     {0xAD, 0xAD},  
                              {0x180E, 0x180E}, {0x200B, 0x200F}, {0x2028, 0x202E},  {0x2060, 0x206F},
                              {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0xE0000, 0xE007F}};
 
+/// Decimal exponent of a number other than 0.
+int magnitude(double value) { return static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-12)); }
+
 }  // namespace
 
 std::size_t utf8_length(std::string_view text, std::size_t at) { return decoded(text, at).length; }
@@ -160,13 +163,6 @@ std::string hexadecimal(unsigned char byte) {
   constexpr const char* digits = "0123456789ABCDEF";
   return {digits[byte >> 4], digits[byte & 0xF]};
 }
-
-namespace {
-
-/// Decimal exponent of a number other than 0.
-int magnitude(double value) { return static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-12)); }
-
-}  // namespace
 
 PrefixedUnit prefixed(double value, const std::string& unit) {
   // No k1/s, and no k of a pure number, which reads like a unit.

@@ -7,7 +7,6 @@
 #include "design/encoder_choice.hpp"
 
 namespace qerr {
-
 std::vector<std::size_t> option_offsets(const ChoiceProblem& problem) {
   std::vector<std::size_t> offsets{0};
   for (const auto& prices : problem.prices) offsets.push_back(offsets.back() + prices.size());
@@ -158,6 +157,26 @@ double mean_of(const ChoiceFigure& figure, const SumWeights& weights, std::size_
   return static_cast<double>(sum / static_cast<long double>(configurations));
 }
 
+/// The largest of the sums at a configuration, and its value.
+std::pair<std::size_t, double> largest_sum(const ChoiceFigure& figure, const SumWeights& weights,
+                                           std::size_t configuration) {
+  std::pair<std::size_t, double> largest{0, 0};
+  for (std::size_t s = 0; s < figure.sums.size(); ++s) {
+    double sum = figure.sums[s].added;
+    for (std::size_t k = 0; k < weights[s].size(); ++k)
+      sum += weights[s][k] * figure.sums[s].columns[k].coefficients[configuration];
+    if (s == 0 || sum > largest.second) largest = {s, sum};
+  }
+  return largest;
+}
+
+void add_part(ChoiceCut& cut, const std::vector<std::size_t>& offsets, const WeightedColumn& column,
+              double coefficient, bool of_sigma) {
+  for (std::size_t o = 0; o < column.weights.size(); ++o)
+    cut.parts[offsets[column.joint] + o] +=
+        coefficient * (of_sigma ? std::sqrt(column.weights[o]) : column.weights[o]);
+}
+
 }  // namespace
 
 double figure_value(const ChoiceFigure& figure, const SumWeights& weights, std::size_t configurations) {
@@ -192,30 +211,6 @@ LimitTest compare_with_limit(const ChoiceFigure& figure, const SumWeights& weigh
   test.met = figure_value(figure, weights, configurations) <= limit;
   return test;
 }
-
-namespace {
-
-/// The largest of the sums at a configuration, and its value.
-std::pair<std::size_t, double> largest_sum(const ChoiceFigure& figure, const SumWeights& weights,
-                                           std::size_t configuration) {
-  std::pair<std::size_t, double> largest{0, 0};
-  for (std::size_t s = 0; s < figure.sums.size(); ++s) {
-    double sum = figure.sums[s].added;
-    for (std::size_t k = 0; k < weights[s].size(); ++k)
-      sum += weights[s][k] * figure.sums[s].columns[k].coefficients[configuration];
-    if (s == 0 || sum > largest.second) largest = {s, sum};
-  }
-  return largest;
-}
-
-void add_part(ChoiceCut& cut, const std::vector<std::size_t>& offsets, const WeightedColumn& column,
-              double coefficient, bool of_sigma) {
-  for (std::size_t o = 0; o < column.weights.size(); ++o)
-    cut.parts[offsets[column.joint] + o] +=
-        coefficient * (of_sigma ? std::sqrt(column.weights[o]) : column.weights[o]);
-}
-
-}  // namespace
 
 ChoiceCut tangent_of_mean(const ChoiceFigure& figure, std::size_t index, const ChoiceProblem& problem,
                           const SumWeights& weights) {

@@ -15,7 +15,6 @@
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
-
 std::optional<Filter> low_pass(const std::string& family, int order, double cutoff, int derivative,
                                double sample_rate) {
   for (const FilterFamily& row : filter_families()) {
@@ -142,20 +141,6 @@ class CutoffScan {
   FilterScan& to_;
 };
 
-}  // namespace
-
-FilterScan filter_candidates(const FilterRange& range, int derivative, double sample_rate,
-                             const std::function<bool(const Filter&)>& accepts) {
-  FilterScan scan;
-  scan.least_delay = scan.least_tracking = std::numeric_limits<double>::infinity();
-  for (const std::string& family : range.families)
-    for (const int order : range.orders)
-      CutoffScan(range, derivative, sample_rate, accepts, family, order, scan).run();
-  return scan;
-}
-
-namespace {
-
 Dimension per_sample_power(const Filter& f) {
   Dimension d;
   d.second = -f.derivative;
@@ -176,25 +161,6 @@ constexpr FilterFigure figures[] = {
     {"settling", "until the step response stays within 2 %", of_time,
      [](const Filter& f, const Norms&) { return settling_time(f); }},
 };
-
-}  // namespace
-
-std::span<const FilterFigure> filter_figures() { return figures; }
-
-const FilterFigure* find_filter_figure(std::string_view name) {
-  const auto row = std::find_if(std::begin(figures), std::end(figures),
-                                [&](const FilterFigure& f) { return f.name == name; });
-  return row == std::end(figures) ? nullptr : row;
-}
-
-std::string figure_unit(const FilterFigure& figure, const Filter& filter) {
-  if (!figure.norm) return unit_name(figure.dimension(filter));
-  return filter.derivative == 0   ? ""
-         : filter.derivative == 1 ? "1/s"
-                                  : "1/s^" + std::to_string(filter.derivative);  // no frequency
-}
-
-namespace {
 
 /// min |y|^2/2 subject to rows y <= bounds, by its dual; rows are added as they are found to be violated.
 class LeastNorm {
@@ -369,6 +335,31 @@ class Tracking {
 };
 
 }  // namespace
+
+FilterScan filter_candidates(const FilterRange& range, int derivative, double sample_rate,
+                             const std::function<bool(const Filter&)>& accepts) {
+  FilterScan scan;
+  scan.least_delay = scan.least_tracking = std::numeric_limits<double>::infinity();
+  for (const std::string& family : range.families)
+    for (const int order : range.orders)
+      CutoffScan(range, derivative, sample_rate, accepts, family, order, scan).run();
+  return scan;
+}
+
+std::span<const FilterFigure> filter_figures() { return figures; }
+
+const FilterFigure* find_filter_figure(std::string_view name) {
+  const auto row = std::find_if(std::begin(figures), std::end(figures),
+                                [&](const FilterFigure& f) { return f.name == name; });
+  return row == std::end(figures) ? nullptr : row;
+}
+
+std::string figure_unit(const FilterFigure& figure, const Filter& filter) {
+  if (!figure.norm) return unit_name(figure.dimension(filter));
+  return filter.derivative == 0   ? ""
+         : filter.derivative == 1 ? "1/s"
+                                  : "1/s^" + std::to_string(filter.derivative);  // no frequency
+}
 
 QuietestFir quietest_fir(const FirTask& task) {
   constexpr int most_rounds = 80;

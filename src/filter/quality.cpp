@@ -12,7 +12,6 @@
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
-
 double low_frequency_gain(const Filter& filter) { return limit_at_dc(filter); }
 
 bool estimates_its_derivative(const Filter& filter) {
@@ -175,24 +174,6 @@ std::optional<double> settling_by_modes(const Filter& filter, double fraction) {
                     : settling_by_samples(filter, fraction, static_cast<double>(first));
 }
 
-}  // namespace
-
-std::optional<double> settling_time(const Filter& filter, double fraction) {
-  if (!(std::abs(limit_at_dc(filter) - 1) <= fraction)) return std::nullopt;
-  const double modulus = poles_max_modulus(filter);
-  // All transients have decayed by exp(-60) after this many samples, up to polynomial factors of repeated
-  // poles.
-  const double samples = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
-                         (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
-  std::optional<double> settled;
-  if (samples > long_memory && filter.taps.empty()) settled = settling_by_modes(filter, fraction);
-  if (!settled && samples <= most_samples) settled = settling_by_samples(filter, fraction, samples);
-  if (!settled) return std::nullopt;
-  return *settled / filter.sample_rate;
-}
-
-namespace {
-
 // Gauss and Kronrod, 7 and 15 nodes on [-1, 1] (Piessens et al., QUADPACK, 1983): the nodes above 0, those of
 // Gauss at odd indices, and 0.
 constexpr std::array<double, 8> nodes{
@@ -298,6 +279,20 @@ double largest_error(const TrackingError& tracking, const std::vector<Panel>& pa
 }
 
 }  // namespace
+
+std::optional<double> settling_time(const Filter& filter, double fraction) {
+  if (!(std::abs(limit_at_dc(filter) - 1) <= fraction)) return std::nullopt;
+  const double modulus = poles_max_modulus(filter);
+  // All transients have decayed by exp(-60) after this many samples, up to polynomial factors of repeated
+  // poles.
+  const double samples = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
+                         (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
+  std::optional<double> settled;
+  if (samples > long_memory && filter.taps.empty()) settled = settling_by_modes(filter, fraction);
+  if (!settled && samples <= most_samples) settled = settling_by_samples(filter, fraction, samples);
+  if (!settled) return std::nullopt;
+  return *settled / filter.sample_rate;
+}
 
 BandTracking band_tracking(const Filter& filter, double from, double to) {
   const TrackingError tracking(filter);

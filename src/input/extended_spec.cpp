@@ -15,7 +15,6 @@
 #include "qerr/input/spec.hpp"
 
 namespace qerr {
-
 /// Writes filters into the `filters:` of a spec's tree.
 ///
 /// A filter of the same name keeps everything but its low-pass; a new one has derivative and sample rate of
@@ -35,31 +34,6 @@ Node sample_rate(Node& filters, const NamedFilter& like) {
   const Node* written = filters.find(like.name) ? filters.find(like.name)->find("sample_rate") : nullptr;
   return written ? *written : scalar_node(shortest(like.filter.sample_rate) + " Hz");
 }
-
-}  // namespace
-
-void add_filters(Node& root, const std::vector<NamedFilter>& present, const std::vector<AddedFilter>& added) {
-  Node* filters = root.find("filters");
-  const auto like = std::ranges::find_if(present, [](const auto& f) { return f.filter.derivative == 1; });
-  if (!filters || like == present.end()) return;
-  for (const AddedFilter& f : added) {
-    Node* present_entry = filters->find(f.name);
-    if (Node* old_lowpass = present_entry ? present_entry->find("lowpass") : nullptr) {
-      *old_lowpass = lowpass(f);
-      continue;
-    }
-    Node node = mapping_node({{"derivative", scalar_node("1")},
-                              {"sample_rate", sample_rate(*filters, *like)},
-                              {"lowpass", lowpass(f)}});
-    node.comment = f.note;
-    if (present_entry)
-      *present_entry = std::move(node);
-    else
-      filters->entries.push_back({{f.name, {}}, std::move(node)});
-  }
-}
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -122,26 +96,6 @@ void move_paths(Node& root, const std::string& from, const std::string& to) {
   if (Node* const sweep = root.find("sweep"))
     for (Node& axis : sweep->items) move_swept(axis, move);
 }
-
-}  // namespace
-
-std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& changes,
-                         const std::vector<Node>& effects, const std::string& remark,
-                         const std::string& target) {
-  Node root = parse_yaml(spec.text, spec.file);
-  std::vector<SpecChange> all = spec_changes(spec.overrides);
-  all.insert(all.end(), changes.begin(), changes.end());
-  apply_changes(root, all, [&](const Node&) -> const Chain& { return spec.model.chain; });
-  for (const Node& effect : effects) add_effect(root, effect);
-  move_paths(root, spec.file, target);
-  std::vector<std::string> replaced;
-  for (const SpecChange& change : changes) replaced.push_back(change.first);
-  std::string out = rewritten(spec.text, root, spec.file, replaced);
-  if (!out.ends_with('\n')) out += '\n';
-  return out + commented(remark, "");
-}
-
-namespace {
 
 /// An entry of `effects:`: keys in the order of the row, SI numbers that read back as the same double.
 Node node_of(const AddedEffect& added, const EffectKind& kind) {
@@ -343,6 +297,43 @@ class Extension {
 };
 
 }  // namespace
+
+void add_filters(Node& root, const std::vector<NamedFilter>& present, const std::vector<AddedFilter>& added) {
+  Node* filters = root.find("filters");
+  const auto like = std::ranges::find_if(present, [](const auto& f) { return f.filter.derivative == 1; });
+  if (!filters || like == present.end()) return;
+  for (const AddedFilter& f : added) {
+    Node* present_entry = filters->find(f.name);
+    if (Node* old_lowpass = present_entry ? present_entry->find("lowpass") : nullptr) {
+      *old_lowpass = lowpass(f);
+      continue;
+    }
+    Node node = mapping_node({{"derivative", scalar_node("1")},
+                              {"sample_rate", sample_rate(*filters, *like)},
+                              {"lowpass", lowpass(f)}});
+    node.comment = f.note;
+    if (present_entry)
+      *present_entry = std::move(node);
+    else
+      filters->entries.push_back({{f.name, {}}, std::move(node)});
+  }
+}
+
+std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& changes,
+                         const std::vector<Node>& effects, const std::string& remark,
+                         const std::string& target) {
+  Node root = parse_yaml(spec.text, spec.file);
+  std::vector<SpecChange> all = spec_changes(spec.overrides);
+  all.insert(all.end(), changes.begin(), changes.end());
+  apply_changes(root, all, [&](const Node&) -> const Chain& { return spec.model.chain; });
+  for (const Node& effect : effects) add_effect(root, effect);
+  move_paths(root, spec.file, target);
+  std::vector<std::string> replaced;
+  for (const SpecChange& change : changes) replaced.push_back(change.first);
+  std::string out = rewritten(spec.text, root, spec.file, replaced);
+  if (!out.ends_with('\n')) out += '\n';
+  return out + commented(remark, "");
+}
 
 std::string extended_spec(const Spec& spec, const std::vector<AddedEffect>& effects,
                           const std::string& remarks, const std::string& target,

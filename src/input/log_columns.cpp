@@ -105,17 +105,6 @@ void read_unit(LogColumn& column, const Dimension& dimension, const std::string&
   column.scale = *read;
 }
 
-}  // namespace
-
-LogColumn column_of(const LogHeader& header, LogSignal signal, std::size_t index, const Chain& chain) {
-  LogColumn column;
-  column.signal = signal, column.index = index, column.header = header.text;
-  read_unit(column, dimension_of(signal, index, chain), header.meaning.unit, header.place);
-  return column;
-}
-
-namespace {
-
 /// " (did you mean 'X'?)" for the nearest known column; "" if none is near.
 std::string hint(const std::string& name, const std::vector<std::string>& known) {
   const std::string near = nearest(name, known);
@@ -332,6 +321,13 @@ class ColumnFinder {
 };
 
 }  // namespace
+
+LogColumn column_of(const LogHeader& header, LogSignal signal, std::size_t index, const Chain& chain) {
+  LogColumn column;
+  column.signal = signal, column.index = index, column.header = header.text;
+  read_unit(column, dimension_of(signal, index, chain), header.meaning.unit, header.place);
+  return column;
+}
 
 Unit time_unit(const std::string& unit, const std::string& header, const Place& place) {
   LogColumn column;

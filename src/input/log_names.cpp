@@ -129,6 +129,64 @@ LogSource with_own_unit(const LogSource& source, const std::vector<std::string>&
   return {source.signal, parts.name, source.unit.empty() ? parts.unit : source.unit};
 }
 
+/// `MS`, `GON`, `S` in brackets, where only a unit of time, angle or length can be meant; a turn is German
+/// `U`.
+std::string unit_in_capitals(const std::string& unit) {
+  if (unit == "U") return "rev";
+  const std::string lower = lower_case(unit);
+  std::string why;
+  const auto read = parse_unit(lower, why);
+  const bool alone = lower.size() == 1 && lower != "s";
+  return read && !alone &&
+                 (read->dimension == dimension::time || read->dimension == dimension::angle ||
+                  read->dimension == dimension::length)
+             ? lower
+             : "";
+}
+
+/// Words of headers in English, German and French that say what a column is. The first row that has a word of
+/// the name decides: `target_position` is a command, `motor_current` an effort.
+struct RoleWords {
+  ColumnRole role;
+  std::string_view words;
+};
+constexpr RoleWords role_words[]{
+    // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
+    {ColumnRole::other,
+     " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
+     "err i2t digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
+     "difference residual fehler erreur "},
+    {ColumnRole::command,
+     " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
+     "consigne consigna d des reference_position "},
+    {ColumnRole::velocity,
+     " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse velocidad velocit\u00e0 rpm "},
+    {ColumnRole::effort,
+     " mt effort torque tau current moment drehmoment strom couple courant corriente corrente coppia force "
+     "kraft load_torque "},
+    {ColumnRole::temperature, " temperature temperatures temp temperatur "},
+    {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
+    {ColumnRole::counts,
+     " counts count ticks tick raw pulses increments inkremente impulse cnt cnts cts imp steps encodercounts "
+     "compteur z\u00e4hler zaehler impulsions cuentas pulsos conteggi impulsi "},
+    {ColumnRole::position,
+     " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
+     "encoder enc geber motor link reference ref truth angulaire deg rad rotation phi feedback data "
+     "laser posicion posici\u00f3n posizione angulo \u00e1ngulo angolo referencia riferimento skala scale "},
+};
+
+/// The reference is the one of two positions of a joint that is nearer to the load, or that of a sensor which
+/// is no part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
+constexpr std::string_view motor_words =
+    " motor rotor drive enc encoder geber codeur codificador input primary theta hall actuator ";
+constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
+constexpr std::string_view sensor_words =
+    " ref reference referenz referencia riferimento truth true ext extern external laser tracker mocap vicon "
+    "vrpn optitrack "
+    "qualisys leica "
+    "faro marker "
+    "autocollimator collimator interferometer gauge ";
+
 }  // namespace
 
 std::string unit_in_words(std::string_view word) {
@@ -149,25 +207,6 @@ std::string unit_in_words(std::string_view word) {
   const std::string above = unit_in_words(word.substr(0, slash)), below = unit_in_words(word.substr(behind));
   return above.empty() || below.empty() ? "" : above + '/' + below;
 }
-
-namespace {
-
-/// `MS`, `GON`, `S` in brackets, where only a unit of time, angle or length can be meant; a turn is German
-/// `U`.
-std::string unit_in_capitals(const std::string& unit) {
-  if (unit == "U") return "rev";
-  const std::string lower = lower_case(unit);
-  std::string why;
-  const auto read = parse_unit(lower, why);
-  const bool alone = lower.size() == 1 && lower != "s";
-  return read && !alone &&
-                 (read->dimension == dimension::time || read->dimension == dimension::angle ||
-                  read->dimension == dimension::length)
-             ? lower
-             : "";
-}
-
-}  // namespace
 
 ColumnName measured_name(const std::string& cell) {
   const ColumnName exact = column_name(cell);
@@ -252,53 +291,6 @@ void map_column(const std::string& assignment, Spec& spec) {
   std::erase_if(spec.log.columns, [&](const LogSource& s) { return s.signal == signal; });
   spec.log.columns.push_back({signal, assignment.substr(mark + 1), {}});
 }
-
-namespace {
-
-/// Words of headers in English, German and French that say what a column is. The first row that has a word of
-/// the name decides: `target_position` is a command, `motor_current` an effort.
-struct RoleWords {
-  ColumnRole role;
-  std::string_view words;
-};
-constexpr RoleWords role_words[]{
-    // Derivatives and flags that no signal of a log is; `d` is the index of desired values of libfranka.
-    {ColumnRole::other,
-     " qdd ddq acceleration accel acc beschleunigung jerk voltage pwm power mode fault status error "
-     "err i2t digital ratio index valid seq quality deviation abweichung ecart \u00e9cart delta diff "
-     "difference residual fehler erreur "},
-    {ColumnRole::command,
-     " ip target command commanded cmd desired demand setpoint soll sollwert sollposition goal "
-     "consigne consigna d des reference_position "},
-    {ColumnRole::velocity,
-     " velocity vel speed qd dq qdot omega geschwindigkeit drehzahl vitesse velocidad velocit\u00e0 rpm "},
-    {ColumnRole::effort,
-     " mt effort torque tau current moment drehmoment strom couple courant corriente corrente coppia force "
-     "kraft load_torque "},
-    {ColumnRole::temperature, " temperature temperatures temp temperatur "},
-    {ColumnRole::tip, " tcp tip ee endeffector effector transform pose tracker marker "},
-    {ColumnRole::counts,
-     " counts count ticks tick raw pulses increments inkremente impulse cnt cnts cts imp steps encodercounts "
-     "compteur z\u00e4hler zaehler impulsions cuentas pulsos conteggi impulsi "},
-    {ColumnRole::position,
-     " mp jpos position pos angle q theta actual measured ist istwert winkel lage angles positions joint "
-     "encoder enc geber motor link reference ref truth angulaire deg rad rotation phi feedback data "
-     "laser posicion posici\u00f3n posizione angulo \u00e1ngulo angolo referencia riferimento skala scale "},
-};
-
-/// The reference is the one of two positions of a joint that is nearer to the load, or that of a sensor which
-/// is no part of the robot: words of the motor's side, of the load's, and of such sensors, which count twice.
-constexpr std::string_view motor_words =
-    " motor rotor drive enc encoder geber codeur codificador input primary theta hall actuator ";
-constexpr std::string_view load_words = " link load output arm secondary second abtrieb sortie target_link ";
-constexpr std::string_view sensor_words =
-    " ref reference referenz referencia riferimento truth true ext extern external laser tracker mocap vicon "
-    "vrpn optitrack "
-    "qualisys leica "
-    "faro marker "
-    "autocollimator collimator interferometer gauge ";
-
-}  // namespace
 
 bool GuessedColumn::whole() const {
   return std::ranges::all_of(values, [](double v) { return v == std::floor(v); });

@@ -8,7 +8,6 @@
 #include "input/read_sections.hpp"
 
 namespace qerr {
-
 std::vector<std::string> format_warnings(const CsvReader& table, const std::string& stamps) {
   std::vector<std::string> all;
   if (const std::string format = table.recognized(); !format.empty())
@@ -78,35 +77,6 @@ bool has_column(const CsvReader& table, const std::string& name) {
   return std::ranges::any_of(header, [&](const std::string& cell) { return column_name(cell).name == name; });
 }
 
-}  // namespace
-
-std::string unit_of_steps(const std::vector<double>& stamps) {
-  std::vector<double> steps;
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    if (stamps[i] != std::floor(stamps[i])) return "";
-    if (i > 0 && stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
-  }
-  if (steps.empty()) return "";
-  const double step = median(steps);
-  constexpr double fastest = 50e-6, slowest = 0.2;  // [s] 20 kHz and 5 Hz, convention
-  std::string found;
-  if (step == 1) return "";                        // a number of the row as well
-  for (const double slow : {15., 30., 60., 120.})  // seconds, as of loggers of temperature
-    if (step == slow) return "";
-  for (const auto& [unit, size] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
-    if (step * size >= fastest && step * size <= slowest) found = found.empty() ? unit : "?";
-  return found == "?" ? "" : found;
-}
-
-std::vector<std::string> first_cells(const CsvReader& table, std::size_t column, std::size_t most) {
-  std::vector<std::string> cells;
-  for (std::vector<std::string>& row : table.first_rows(most))
-    if (column < row.size()) cells.push_back(std::move(row[column]));
-  return cells;
-}
-
-namespace {
-
 /// Whether stamps without a unit are Excel's dates: days since 1900, which pass slower than any clock in
 /// seconds ticks.
 bool are_serial_days(const std::vector<double>& stamps, const std::string& header) {
@@ -169,7 +139,106 @@ bool is_seconds_before(const std::string& seconds, const std::string& nanosecond
   return false;
 }
 
+class WideSamples : public LogSamples {
+ public:
+  WideSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
+      : LogSamples(table->file()),
+        table_(std::move(table)),
+        clock_(clock),
+        empty_stamps_(reading.missing == MissingValues::drop) {
+    std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
+    const auto texts = [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); };
+    time_ = find_stamps(table_->header(), meanings, texts);
+    if (time_) {
+      nanoseconds_ =
+          nanoseconds_behind(table_->header(), *time_, [&](std::size_t i) { return first_texts(i); });
+      if (nanoseconds_ && meanings[*nanoseconds_].mapped) nanoseconds_.reset();
+      if (nanoseconds_) meanings[*time_].unit = "s";
+      stamps_ = recognize_stamps(table_->file(), table_->header(), *time_, texts(*time_), meanings[*time_]);
+      if (nanoseconds_)
+        stamps_ += (stamps_.empty() ? table_->file() + ": the time stamps are seconds" : std::string()) +
+                   " and nanoseconds of '" + table_->header()[*nanoseconds_] + "'";
+    }
+    if (const auto named = time_column(meanings); named && !time_)
+      stamps_ = table_->file() + ": '" + table_->header()[*named] + "' does not rise in the first " +
+                counted(sampled_stamps, "row") +
+                ": it is not read as the time; if it is, write more decimals";
+    for (std::size_t i = 0; i < table_->header().size(); ++i)
+      signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
+    if (nanoseconds_) signals_[*nanoseconds_].text.clear();  // a part of the stamps, no signal
+  }
+
+  void choose(const std::vector<std::size_t>& signals) override {
+    std::vector<std::size_t> texts;
+    if (time_) texts.push_back(*time_);
+    if (nanoseconds_) texts.push_back(*nanoseconds_);
+    if (time_)
+      stamp_.emplace(*table_, *time_, 0, signals_[*time_].meaning.unit, clock_, nanoseconds_.has_value());
+    table_->choose(signals, texts);
+  }
+
+  bool next(double& time, double* values) override {
+    if (!table_->next(values)) return false;
+    if (!stamp_) return true;
+    if (empty_stamps_ && stamp_->is_empty()) {
+      time = std::nan("");
+      return true;
+    }
+    time = (*stamp_)();
+    if (last_ && time < *last_) stamp_->refuse_before(*last_);
+    last_ = time;
+    return true;
+  }
+
+  int line() const override { return table_->line(); }
+  Place place(std::size_t chosen) const override { return table_->place(chosen); }
+  std::string text(std::size_t chosen) const override { return table_->text(chosen); }
+  DecimalText written(std::size_t chosen) const override { return table_->written(chosen); }
+  DecimalText written_time() const override { return stamp_ ? stamp_->written() : DecimalText{}; }
+  std::uint64_t size() const override { return table_->source().size(); }
+  std::uint64_t position() const override { return table_->source().position(); }
+  std::vector<std::string> first_texts(std::size_t signal) const override {
+    constexpr std::size_t most = 1000;
+    return first_cells(*table_, signal, most);
+  }
+  std::vector<std::string> warnings() const override { return format_warnings(*table_, stamps_); }
+
+ private:
+  std::unique_ptr<CsvReader> table_;
+  LogClock& clock_;
+  std::string stamps_;  // what was recognized of them
+  bool empty_stamps_;
+  std::optional<std::size_t> nanoseconds_;
+  std::optional<StampReader> stamp_;
+  std::optional<double> last_;
+};
+
 }  // namespace
+
+std::string unit_of_steps(const std::vector<double>& stamps) {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (stamps[i] != std::floor(stamps[i])) return "";
+    if (i > 0 && stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
+  }
+  if (steps.empty()) return "";
+  const double step = median(steps);
+  constexpr double fastest = 50e-6, slowest = 0.2;  // [s] 20 kHz and 5 Hz, convention
+  std::string found;
+  if (step == 1) return "";                        // a number of the row as well
+  for (const double slow : {15., 30., 60., 120.})  // seconds, as of loggers of temperature
+    if (step == slow) return "";
+  for (const auto& [unit, size] : {std::pair{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}})
+    if (step * size >= fastest && step * size <= slowest) found = found.empty() ? unit : "?";
+  return found == "?" ? "" : found;
+}
+
+std::vector<std::string> first_cells(const CsvReader& table, std::size_t column, std::size_t most) {
+  std::vector<std::string> cells;
+  for (std::vector<std::string>& row : table.first_rows(most))
+    if (column < row.size()) cells.push_back(std::move(row[column]));
+  return cells;
+}
 
 std::optional<std::size_t> nanoseconds_behind(const std::vector<std::string>& header, std::size_t seconds,
                                               const ColumnTexts& texts) {
@@ -258,84 +327,6 @@ std::string recognize_stamps(const std::string& file, const std::vector<std::str
   return file + ": '" + header + "' is read as the time stamps" +
          (how.empty() ? meaning.unit.empty() ? "" : ", in " + meaning.unit : ", in " + how);
 }
-
-namespace {
-
-class WideSamples : public LogSamples {
- public:
-  WideSamples(std::unique_ptr<CsvReader> table, const LogReading& reading, LogClock& clock)
-      : LogSamples(table->file()),
-        table_(std::move(table)),
-        clock_(clock),
-        empty_stamps_(reading.missing == MissingValues::drop) {
-    std::vector<ColumnMeaning> meanings = column_meanings(table_->header(), reading);
-    const auto texts = [&](std::size_t i) { return first_cells(*table_, i, sampled_stamps); };
-    time_ = find_stamps(table_->header(), meanings, texts);
-    if (time_) {
-      nanoseconds_ =
-          nanoseconds_behind(table_->header(), *time_, [&](std::size_t i) { return first_texts(i); });
-      if (nanoseconds_ && meanings[*nanoseconds_].mapped) nanoseconds_.reset();
-      if (nanoseconds_) meanings[*time_].unit = "s";
-      stamps_ = recognize_stamps(table_->file(), table_->header(), *time_, texts(*time_), meanings[*time_]);
-      if (nanoseconds_)
-        stamps_ += (stamps_.empty() ? table_->file() + ": the time stamps are seconds" : std::string()) +
-                   " and nanoseconds of '" + table_->header()[*nanoseconds_] + "'";
-    }
-    if (const auto named = time_column(meanings); named && !time_)
-      stamps_ = table_->file() + ": '" + table_->header()[*named] + "' does not rise in the first " +
-                counted(sampled_stamps, "row") +
-                ": it is not read as the time; if it is, write more decimals";
-    for (std::size_t i = 0; i < table_->header().size(); ++i)
-      signals_.push_back({table_->header()[i], table_->header_place(i), std::move(meanings[i])});
-    if (nanoseconds_) signals_[*nanoseconds_].text.clear();  // a part of the stamps, no signal
-  }
-
-  void choose(const std::vector<std::size_t>& signals) override {
-    std::vector<std::size_t> texts;
-    if (time_) texts.push_back(*time_);
-    if (nanoseconds_) texts.push_back(*nanoseconds_);
-    if (time_)
-      stamp_.emplace(*table_, *time_, 0, signals_[*time_].meaning.unit, clock_, nanoseconds_.has_value());
-    table_->choose(signals, texts);
-  }
-
-  bool next(double& time, double* values) override {
-    if (!table_->next(values)) return false;
-    if (!stamp_) return true;
-    if (empty_stamps_ && stamp_->is_empty()) {
-      time = std::nan("");
-      return true;
-    }
-    time = (*stamp_)();
-    if (last_ && time < *last_) stamp_->refuse_before(*last_);
-    last_ = time;
-    return true;
-  }
-
-  int line() const override { return table_->line(); }
-  Place place(std::size_t chosen) const override { return table_->place(chosen); }
-  std::string text(std::size_t chosen) const override { return table_->text(chosen); }
-  DecimalText written(std::size_t chosen) const override { return table_->written(chosen); }
-  DecimalText written_time() const override { return stamp_ ? stamp_->written() : DecimalText{}; }
-  std::uint64_t size() const override { return table_->source().size(); }
-  std::uint64_t position() const override { return table_->source().position(); }
-  std::vector<std::string> first_texts(std::size_t signal) const override {
-    constexpr std::size_t most = 1000;
-    return first_cells(*table_, signal, most);
-  }
-  std::vector<std::string> warnings() const override { return format_warnings(*table_, stamps_); }
-
- private:
-  std::unique_ptr<CsvReader> table_;
-  LogClock& clock_;
-  std::string stamps_;  // what was recognized of them
-  bool empty_stamps_;
-  std::optional<std::size_t> nanoseconds_;
-  std::optional<StampReader> stamp_;
-  std::optional<double> last_;
-};
-
-}  // namespace
 
 std::vector<std::unique_ptr<LogSamples>> open_log(const std::string& path, const CsvLimits& limits,
                                                   const LogReading& reading, LogClock& clock) {

@@ -188,48 +188,6 @@ void refuse_for(const Object& o, const std::string& method, const std::vector<st
       o.at(key).refuse("cannot be combined with method: " + method, "leave it out, or change the method");
 }
 
-}  // namespace
-
-void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
-                         Faults& faults) {
-  Node absent{Node::Type::mapping, {spec.file, 1, 1}, {}, false, {}, {}};
-  const Object o(f.node ? f : Field{&absent, "configurations"}, spec_format::configurations);
-  Configurations& c = spec.configurations;
-  c.ranges = read_ranges(o, robot, spec, faults);
-  const std::string method = o.choice("method");
-  c.seed = static_cast<std::uint64_t>(*o.number("seed"));
-  if (faults.any()) return;  // points are checked against the ranges
-  if (method == "list" || method == "file") {
-    c.method = SamplingMethod::list;
-    refuse_for(o, method, {"count", method == "list" ? "file" : "points"});
-    if (method == "list")
-      read_points(o, spec);
-    else
-      read_point_file(o, folder, spec);
-    return;
-  }
-  for (const auto& [key, needed] : {std::pair{"points", "list"}, {"file", "file"}})
-    if (o.has(key) && !o.has("method"))
-      o.at(key).refuse(std::string("needs 'method: ") + needed + "' beside it",
-                       std::string("add 'method: ") + needed + "'");
-  refuse_for(o, method, {"points", "file"});
-  c.method = method == "sobol"    ? SamplingMethod::sobol
-             : method == "random" ? SamplingMethod::random
-                                  : SamplingMethod::grid;
-  if (method == "sobol" && c.ranges.size() > most_sobol_joints) {
-    c.method = SamplingMethod::random;
-    spec.warnings.push_back("configurations: method random in place of sobol, whose sequence has at most " +
-                            counted(most_sobol_joints, "joint"));
-  }
-  c.count = static_cast<std::uint64_t>(o.number("count").value_or(method == "grid" ? 10 : 10000));
-  if (static_cast<double>(size(c)) > most_grid_points)
-    throw Error(o.self().node->place, "configurations.count", "the grid has too many points",
-                std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
-                "use fewer per joint, or method: sobol");
-}
-
-namespace {
-
 /// Opens a table. A file that is none may be any file: messages do not show its content.
 LogTable opened_table(const std::string& path, const LogReading& reading) {
   try {
@@ -333,6 +291,44 @@ std::vector<LogColumn> load_columns(const LogTable& table, const Chain& chain,
 }
 
 }  // namespace
+
+void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
+                         Faults& faults) {
+  Node absent{Node::Type::mapping, {spec.file, 1, 1}, {}, false, {}, {}};
+  const Object o(f.node ? f : Field{&absent, "configurations"}, spec_format::configurations);
+  Configurations& c = spec.configurations;
+  c.ranges = read_ranges(o, robot, spec, faults);
+  const std::string method = o.choice("method");
+  c.seed = static_cast<std::uint64_t>(*o.number("seed"));
+  if (faults.any()) return;  // points are checked against the ranges
+  if (method == "list" || method == "file") {
+    c.method = SamplingMethod::list;
+    refuse_for(o, method, {"count", method == "list" ? "file" : "points"});
+    if (method == "list")
+      read_points(o, spec);
+    else
+      read_point_file(o, folder, spec);
+    return;
+  }
+  for (const auto& [key, needed] : {std::pair{"points", "list"}, {"file", "file"}})
+    if (o.has(key) && !o.has("method"))
+      o.at(key).refuse(std::string("needs 'method: ") + needed + "' beside it",
+                       std::string("add 'method: ") + needed + "'");
+  refuse_for(o, method, {"points", "file"});
+  c.method = method == "sobol"    ? SamplingMethod::sobol
+             : method == "random" ? SamplingMethod::random
+                                  : SamplingMethod::grid;
+  if (method == "sobol" && c.ranges.size() > most_sobol_joints) {
+    c.method = SamplingMethod::random;
+    spec.warnings.push_back("configurations: method random in place of sobol, whose sequence has at most " +
+                            counted(most_sobol_joints, "joint"));
+  }
+  c.count = static_cast<std::uint64_t>(o.number("count").value_or(method == "grid" ? 10 : 10000));
+  if (static_cast<double>(size(c)) > most_grid_points)
+    throw Error(o.self().node->place, "configurations.count", "the grid has too many points",
+                std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
+                "use fewer per joint, or method: sobol");
+}
 
 bool inside(double value, const Limits& limits) {
   const double slack = 1e-9 * std::max(1.0, std::abs(value));

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <new>
 #include <sstream>
+#include <unordered_map>
 #include <utility>
 
 #include "core/solve.hpp"

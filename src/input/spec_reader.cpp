@@ -73,6 +73,12 @@ Error placed_in_spec(const Error& e, const Field& robot) {
   return Error(faults, e.trouble());
 }
 
+/// Runs the reader of a section, if the spec has it.
+template <class Read>
+void section(const Object& top, std::string_view key, Faults& faults, Read read) {
+  if (top.has(key)) faults.guard([&] { read(top.at(key)); });
+}
+
 }  // namespace
 
 /// A part of reading: one section, or two that are read as one.
@@ -82,16 +88,6 @@ struct SpecReader::Stage {
   void (*reset)(Spec&);                ///< to what a spec without the section has
   void (*read)(SpecReader&, const Object& top);
 };
-
-namespace {
-
-/// Runs the reader of a section, if the spec has it.
-template <class Read>
-void section(const Object& top, std::string_view key, Faults& faults, Read read) {
-  if (top.has(key)) faults.guard([&] { read(top.at(key)); });
-}
-
-}  // namespace
 
 const std::vector<SpecReader::Stage>& SpecReader::stages() {
   static const std::vector<Stage> all{

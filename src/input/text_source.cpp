@@ -41,90 +41,7 @@ int open_input(const std::string& path) {
   return descriptor;
 }
 
-}  // namespace
-
-ByteSource::ByteSource(const std::string& path)
-    : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {
-  struct stat status {};
-  regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
-  // Standard input may begin within its file, as behind `head` in a shell's brackets.
-  const off_t begin = regular_ ? lseek(descriptor_, 0, SEEK_CUR) : -1;
-  if (begin >= 0 && begin < status.st_size) size_ = static_cast<std::uint64_t>(status.st_size - begin);
-}
-
-ByteSource::~ByteSource() {
-  if (descriptor_ > STDIN_FILENO) ::close(descriptor_);  // standard input stays open
-}
-
-std::size_t ByteSource::read(char* buffer, std::size_t most) {
-  while (true) {
-    const ssize_t count = ::read(descriptor_, buffer, most);
-    if (count == 0 && most > 0 && position_ < size_)
-      unreadable(name_, "became shorter while it was read", "repeat this when the file is whole");
-    if (count >= 0) {
-      position_ += static_cast<std::uint64_t>(count);
-      return static_cast<std::size_t>(count);
-    }
-    if (errno != EINTR) unreadable(name_, "cannot be read: " + reason(errno));
-  }
-}
-
-namespace {
-
 constexpr std::size_t most_bytes = 16'000'000;
-
-}  // namespace
-
-Place place_of_byte(const std::string& text, std::size_t byte, const std::string& file) {
-  Place place{file, 1, 1};
-  for (std::size_t i = 0; i < byte; ++i) {
-    if (text[i] == '\n') {
-      ++place.line;
-      place.column = 1;
-    } else if ((static_cast<unsigned char>(text[i]) & 0xC0u) != 0x80u) {
-      ++place.column;
-    }
-  }
-  return place;
-}
-
-std::string read_text(const std::string& path) {
-  if (auto text = piped_text(path)) return *text;
-  ByteSource source(path);
-  const std::string& file = source.name();
-  std::string text;
-  char block[65536];
-  while (const std::size_t count = source.read(block, sizeof block)) {
-    text.append(block, count);
-    if (text.size() > most_bytes)
-      throw Error({file, 1, 1}, "", "an input document must have at most 16 MB", "more", "");
-  }
-  check_text(text, file);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  if (!source.regular()) keep_piped(path, text);
-  return text;
-}
-
-void check_text(const std::string& text, const std::string& file) {
-  if (text.size() > most_bytes)
-    throw Error({file, 1, 1}, "", "an input document must have at most 16 MB", "more", "");
-  const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
-    if (length == 0) {
-      throw Error(place_of_byte(text, i, file), "", "the text must be UTF-8",
-                  "byte 0x" + hexadecimal(static_cast<unsigned char>(text[i])),
-                  utf16 ? "this looks like UTF-16: save the file as UTF-8" : "save the file as UTF-8");
-    }
-    if (text[i] == '\0') {
-      throw Error(place_of_byte(text, i, file), "", "the text must not contain a NUL byte", "",
-                  "is this a text file?");
-    }
-    i += length;
-  }
-}
-
-namespace {
 
 constexpr std::size_t most_lines = 60;  // that decide; a table of other lines is none of these
 
@@ -175,73 +92,6 @@ bool is_rule(std::string_view line) {
   return line.find('-') != std::string_view::npos &&
          line.find_first_not_of("|-: \r\n") == std::string_view::npos;
 }
-
-}  // namespace
-
-LineLayout::LineLayout(std::string_view head) {
-  returns_ = head.find('\n') == std::string_view::npos && std::count(head.begin(), head.end(), '\r') > 1;
-  std::vector<std::string_view> lines;
-  for (std::size_t at = 0; at < head.size() && lines.size() < most_lines;) {
-    const std::size_t end = head.find(line_end(), at);
-    if (end == std::string_view::npos) break;  // cut off
-    if (const std::string_view line = trimmed(head.substr(at, end - at)); !line.empty() && line[0] != '#')
-      lines.push_back(line);
-    at = end + 1;
-  }
-  if (lines.size() < 2) return;
-  const auto all = [&](auto&& holds) { return std::all_of(lines.begin(), lines.end(), holds); };
-  std::vector<std::string> labels = labels_of(lines.front());
-  if (labels.size() > 1 && all([&](std::string_view line) { return labels_of(line) == labels; }))
-    labels_ = std::move(labels);
-  else
-    framed_ = all(is_framed);
-  const auto arrow_at = [](std::string_view line) { return line.find("->"); };
-  if (all([&](std::string_view line) { return arrow_at(line) != std::string_view::npos; })) {
-    const std::string_view cells = lines.back().substr(arrow_at(lines.back()) + 2);
-    arrow_ = ' ';
-    for (const char mark : {',', ';', '\t'})
-      if (cells.find(mark) != std::string_view::npos) arrow_ = mark;
-    // The monitor's stamps, beside those of the board.
-    const bool own = std::any_of(labels_.begin(), labels_.end(), is_time_name);
-    if (!labels_.empty()) labels_.insert(labels_.begin(), own ? "received" : "timestamp");
-  }
-}
-
-std::string LineLayout::description() const {
-  std::string text = returns_ ? "lines end with carriage returns" : "";
-  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (!labels_.empty()) add("a label before each value");
-  if (framed_) add("rows between brackets or pipes");
-  if (arrow_ != '\0') add("stamps before ->");
-  return text;
-}
-
-void LineLayout::make_plain(char* begin, char* end) const {
-  if (returns_) std::replace(begin, end, '\r', '\n');
-  const std::string_view line(begin, static_cast<std::size_t>(end - begin));
-  if (arrow_ != '\0')
-    if (const std::size_t at = line.find("->"); at != std::string_view::npos)
-      begin[at] = ' ', begin[at + 1] = arrow_;
-  for (auto label = labels_.empty() ? std::nullopt : next_label(line, 0); label;
-       label = next_label(line, label->end))
-    std::fill(begin + label->begin, begin + label->end, ' ');
-  if (!labels_.empty())
-    for (char* p = begin; p != end; ++p)
-      if (*p == '{' || *p == '}') *p = ' ';
-  if (!framed_) return;
-  if (is_rule(line)) {
-    std::replace_if(
-        begin, end, [](char c) { return c != '\n'; }, ' ');
-    return;
-  }
-  const std::string_view inner = trimmed(line);
-  if (inner.size() < 2) return;
-  char *const first = begin + (inner.data() - line.data()), *const last = first + inner.size() - 1;
-  if (*first == '|') std::replace(first + 1, last, '|', ';');
-  *first = *last = ' ';
-}
-
-namespace {
 
 constexpr std::size_t sample_bytes = 1 << 16;  // by which the encoding is recognized
 
@@ -340,6 +190,144 @@ std::string binary_format(std::string_view head) {
 }
 
 }  // namespace
+
+ByteSource::ByteSource(const std::string& path)
+    : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {
+  struct stat status {};
+  regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+  // Standard input may begin within its file, as behind `head` in a shell's brackets.
+  const off_t begin = regular_ ? lseek(descriptor_, 0, SEEK_CUR) : -1;
+  if (begin >= 0 && begin < status.st_size) size_ = static_cast<std::uint64_t>(status.st_size - begin);
+}
+
+ByteSource::~ByteSource() {
+  if (descriptor_ > STDIN_FILENO) ::close(descriptor_);  // standard input stays open
+}
+
+std::size_t ByteSource::read(char* buffer, std::size_t most) {
+  while (true) {
+    const ssize_t count = ::read(descriptor_, buffer, most);
+    if (count == 0 && most > 0 && position_ < size_)
+      unreadable(name_, "became shorter while it was read", "repeat this when the file is whole");
+    if (count >= 0) {
+      position_ += static_cast<std::uint64_t>(count);
+      return static_cast<std::size_t>(count);
+    }
+    if (errno != EINTR) unreadable(name_, "cannot be read: " + reason(errno));
+  }
+}
+
+Place place_of_byte(const std::string& text, std::size_t byte, const std::string& file) {
+  Place place{file, 1, 1};
+  for (std::size_t i = 0; i < byte; ++i) {
+    if (text[i] == '\n') {
+      ++place.line;
+      place.column = 1;
+    } else if ((static_cast<unsigned char>(text[i]) & 0xC0u) != 0x80u) {
+      ++place.column;
+    }
+  }
+  return place;
+}
+
+std::string read_text(const std::string& path) {
+  if (auto text = piped_text(path)) return *text;
+  ByteSource source(path);
+  const std::string& file = source.name();
+  std::string text;
+  char block[65536];
+  while (const std::size_t count = source.read(block, sizeof block)) {
+    text.append(block, count);
+    if (text.size() > most_bytes)
+      throw Error({file, 1, 1}, "", "an input document must have at most 16 MB", "more", "");
+  }
+  check_text(text, file);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  if (!source.regular()) keep_piped(path, text);
+  return text;
+}
+
+void check_text(const std::string& text, const std::string& file) {
+  if (text.size() > most_bytes)
+    throw Error({file, 1, 1}, "", "an input document must have at most 16 MB", "more", "");
+  const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text, i);
+    if (length == 0) {
+      throw Error(place_of_byte(text, i, file), "", "the text must be UTF-8",
+                  "byte 0x" + hexadecimal(static_cast<unsigned char>(text[i])),
+                  utf16 ? "this looks like UTF-16: save the file as UTF-8" : "save the file as UTF-8");
+    }
+    if (text[i] == '\0') {
+      throw Error(place_of_byte(text, i, file), "", "the text must not contain a NUL byte", "",
+                  "is this a text file?");
+    }
+    i += length;
+  }
+}
+
+LineLayout::LineLayout(std::string_view head) {
+  returns_ = head.find('\n') == std::string_view::npos && std::count(head.begin(), head.end(), '\r') > 1;
+  std::vector<std::string_view> lines;
+  for (std::size_t at = 0; at < head.size() && lines.size() < most_lines;) {
+    const std::size_t end = head.find(line_end(), at);
+    if (end == std::string_view::npos) break;  // cut off
+    if (const std::string_view line = trimmed(head.substr(at, end - at)); !line.empty() && line[0] != '#')
+      lines.push_back(line);
+    at = end + 1;
+  }
+  if (lines.size() < 2) return;
+  const auto all = [&](auto&& holds) { return std::all_of(lines.begin(), lines.end(), holds); };
+  std::vector<std::string> labels = labels_of(lines.front());
+  if (labels.size() > 1 && all([&](std::string_view line) { return labels_of(line) == labels; }))
+    labels_ = std::move(labels);
+  else
+    framed_ = all(is_framed);
+  const auto arrow_at = [](std::string_view line) { return line.find("->"); };
+  if (all([&](std::string_view line) { return arrow_at(line) != std::string_view::npos; })) {
+    const std::string_view cells = lines.back().substr(arrow_at(lines.back()) + 2);
+    arrow_ = ' ';
+    for (const char mark : {',', ';', '\t'})
+      if (cells.find(mark) != std::string_view::npos) arrow_ = mark;
+    // The monitor's stamps, beside those of the board.
+    const bool own = std::any_of(labels_.begin(), labels_.end(), is_time_name);
+    if (!labels_.empty()) labels_.insert(labels_.begin(), own ? "received" : "timestamp");
+  }
+}
+
+std::string LineLayout::description() const {
+  std::string text = returns_ ? "lines end with carriage returns" : "";
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (!labels_.empty()) add("a label before each value");
+  if (framed_) add("rows between brackets or pipes");
+  if (arrow_ != '\0') add("stamps before ->");
+  return text;
+}
+
+void LineLayout::make_plain(char* begin, char* end) const {
+  if (returns_) std::replace(begin, end, '\r', '\n');
+  const std::string_view line(begin, static_cast<std::size_t>(end - begin));
+  if (arrow_ != '\0')
+    if (const std::size_t at = line.find("->"); at != std::string_view::npos)
+      begin[at] = ' ', begin[at + 1] = arrow_;
+  for (auto label = labels_.empty() ? std::nullopt : next_label(line, 0); label;
+       label = next_label(line, label->end))
+    std::fill(begin + label->begin, begin + label->end, ' ');
+  if (!labels_.empty())
+    for (char* p = begin; p != end; ++p)
+      if (*p == '{' || *p == '}') *p = ' ';
+  if (!framed_) return;
+  if (is_rule(line)) {
+    std::replace_if(
+        begin, end, [](char c) { return c != '\n'; }, ' ');
+    return;
+  }
+  const std::string_view inner = trimmed(line);
+  if (inner.size() < 2) return;
+  char *const first = begin + (inner.data() - line.data()), *const last = first + inner.size() - 1;
+  if (*first == '|') std::replace(first + 1, last, '|', ';');
+  *first = *last = ' ';
+}
 
 TextSource::TextSource(const std::string& path, bool recognize) : source_(path), recognize_(recognize) {}
 

@@ -1,5 +1,6 @@
 #include "input/urdf_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -16,32 +17,6 @@ namespace {
 
 // Ten times as many as a message shows. The search for similar names takes time for each of them.
 constexpr std::size_t most_spoiling_flaws = 200;
-
-}  // namespace
-
-void FlawList::concern(const UrdfElement& element) {
-  concern_document();
-  const UrdfAttribute* name = element.attribute("name");
-  if (element.name == "joint") part_.joints = {name ? name->value : ""};
-  if (element.name == "link" && name) part_.link = name->value;
-}
-
-Flaw& FlawList::add(bool spoils, Fault fault) {
-  Flaw& flaw = flaws_.emplace_back(part_);
-  flaw.fault = std::move(fault);
-  flaw.spoils = spoils;
-  if (spoils && ++spoiling_ > most_spoiling_flaws) raise();
-  return flaw;
-}
-
-void FlawList::raise() const {
-  std::vector<Fault> faults;
-  for (const Flaw& flaw : flaws_)
-    if (flaw.spoils) faults.push_back(flaw.fault);
-  if (!faults.empty()) throw Error(faults);
-}
-
-namespace {
 
 using Names = Vocabulary::Names;
 
@@ -135,7 +110,114 @@ class VocabularyCheck {
   std::set<std::string> foreign_;  ///< "ELEMENT WORD"
 };
 
+/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
+/// @throws Error (input) for values that xacro has not expanded
+void check_vocabulary(const UrdfElement& root, const std::string& file, FlawList& flaws) {
+  VocabularyCheck(file, flaws).visit(root, root.title());
+  flaws.concern_document();
+}
+
+using Names = std::vector<std::string>;
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view blank = " \t\r\n";
+  for (std::size_t at = text.find_first_not_of(blank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(blank, at), text.size());
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(blank, end);
+  }
+  return words;
+}
+
+namespace fs = std::filesystem;
+
+constexpr int deepest_package = 5;           // of a package below a folder of ROS_PACKAGE_PATH
+constexpr std::size_t most_folders = 20000;  // looked at below one of them
+
+Error not_found(const std::string& given, const std::string& rule, const std::string& remedy) {
+  return Error("", rule, quoted(given), remedy);
+}
+
+std::vector<fs::path> folders_of(const char* variable) {
+  std::vector<fs::path> folders;
+  const char* value = std::getenv(variable);
+  const std::string list = value ? value : "";
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t end = std::min(list.find(':', begin), list.size());
+    if (end > begin) folders.emplace_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return folders;
+}
+
+bool is_package(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(folder / "package.xml", ignored) || fs::exists(folder / "manifest.xml", ignored);
+}
+
+/// The packages of this name at or below a folder, found as rospack does: packages do not contain packages.
+void search(const fs::path& folder, const std::string& package, std::vector<fs::path>& found) {
+  std::error_code wrong;
+  const fs::path whole = fs::weakly_canonical(folder, wrong);
+  if (whole.filename() == package || fs::is_directory(folder / package, wrong))
+    found.push_back(whole.filename() == package ? whole : folder / package);
+  fs::recursive_directory_iterator walk(folder, fs::directory_options::skip_permission_denied, wrong);
+  for (std::size_t seen = 0; !wrong && walk != fs::recursive_directory_iterator() && seen < most_folders;
+       walk.increment(wrong), ++seen) {
+    const fs::path& path = walk->path();
+    if (!walk->is_directory(wrong)) continue;
+    const bool package_here = is_package(path);
+    if (package_here && path.filename() == package) found.push_back(path);
+    if (package_here || walk.depth() >= deepest_package || path.filename().string().starts_with('.'))
+      walk.disable_recursion_pending();
+  }
+}
+
+std::string in_package(const std::string& given, const std::string& package, const std::string& path) {
+  const auto ament = folders_of("AMENT_PREFIX_PATH"), ros = folders_of("ROS_PACKAGE_PATH");
+  if (ament.empty() && ros.empty())
+    throw not_found(given,
+                    "the package cannot be looked up: AMENT_PREFIX_PATH and ROS_PACKAGE_PATH are not set",
+                    "source the setup file of the ROS workspace, or give a path relative to the spec");
+  std::vector<fs::path> found;
+  std::error_code ignored;
+  for (const fs::path& prefix : ament)
+    if (fs::is_directory(prefix / "share" / package, ignored)) found.push_back(prefix / "share" / package);
+  for (const fs::path& folder : ros) search(folder, package, found);
+  for (const fs::path& folder : found)
+    if (fs::exists(folder / path, ignored)) return (folder / path).string();
+  if (found.empty())
+    throw not_found(given,
+                    "package '" + package + "' is in no folder of AMENT_PREFIX_PATH or ROS_PACKAGE_PATH",
+                    "is it built and its workspace sourced?");
+  throw not_found(given, "package '" + package + "' has no file '" + path + "'",
+                  "the package is " + found.front().string());
+}
+
 }  // namespace
+
+void FlawList::concern(const UrdfElement& element) {
+  concern_document();
+  const UrdfAttribute* name = element.attribute("name");
+  if (element.name == "joint") part_.joints = {name ? name->value : ""};
+  if (element.name == "link" && name) part_.link = name->value;
+}
+
+Flaw& FlawList::add(bool spoils, Fault fault) {
+  Flaw& flaw = flaws_.emplace_back(part_);
+  flaw.fault = std::move(fault);
+  flaw.spoils = spoils;
+  if (spoils && ++spoiling_ > most_spoiling_flaws) raise();
+  return flaw;
+}
+
+void FlawList::raise() const {
+  std::vector<Fault> faults;
+  for (const Flaw& flaw : flaws_)
+    if (flaw.spoils) faults.push_back(flaw.fault);
+  if (!faults.empty()) throw Error(faults);
+}
 
 const Vocabulary* vocabulary(std::string_view element) {
   static const std::vector<Vocabulary> rows = {
@@ -170,30 +252,6 @@ const Vocabulary* vocabulary(std::string_view element) {
   const auto row = std::ranges::find_if(rows, [&](const Vocabulary& v) { return v.element == element; });
   return row == rows.end() ? nullptr : &*row;
 }
-
-namespace {
-
-/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
-/// @throws Error (input) for values that xacro has not expanded
-void check_vocabulary(const UrdfElement& root, const std::string& file, FlawList& flaws) {
-  VocabularyCheck(file, flaws).visit(root, root.title());
-  flaws.concern_document();
-}
-
-using Names = std::vector<std::string>;
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view blank = " \t\r\n";
-  for (std::size_t at = text.find_first_not_of(blank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(blank, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(blank, end);
-  }
-  return words;
-}
-
-}  // namespace
 
 void UrdfReader::read(const UrdfElement& root) {
   check_vocabulary(root, file_, flaws_);
@@ -351,75 +409,6 @@ void UrdfReader::read_origin(const UrdfElement& owner, const std::string& key, E
   if (rpy.cwiseAbs().maxCoeff() > 2 * std::numbers::pi + 1e-3)
     flaws_.warn(*origin, key, "an angle of rpy exceeds a full turn; rpy is in radians: are these degrees?");
 }
-
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr int deepest_package = 5;           // of a package below a folder of ROS_PACKAGE_PATH
-constexpr std::size_t most_folders = 20000;  // looked at below one of them
-
-Error not_found(const std::string& given, const std::string& rule, const std::string& remedy) {
-  return Error("", rule, quoted(given), remedy);
-}
-
-std::vector<fs::path> folders_of(const char* variable) {
-  std::vector<fs::path> folders;
-  const char* value = std::getenv(variable);
-  const std::string list = value ? value : "";
-  for (std::size_t begin = 0; begin < list.size();) {
-    const std::size_t end = std::min(list.find(':', begin), list.size());
-    if (end > begin) folders.emplace_back(list.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return folders;
-}
-
-bool is_package(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::exists(folder / "package.xml", ignored) || fs::exists(folder / "manifest.xml", ignored);
-}
-
-/// The packages of this name at or below a folder, found as rospack does: packages do not contain packages.
-void search(const fs::path& folder, const std::string& package, std::vector<fs::path>& found) {
-  std::error_code wrong;
-  const fs::path whole = fs::weakly_canonical(folder, wrong);
-  if (whole.filename() == package || fs::is_directory(folder / package, wrong))
-    found.push_back(whole.filename() == package ? whole : folder / package);
-  fs::recursive_directory_iterator walk(folder, fs::directory_options::skip_permission_denied, wrong);
-  for (std::size_t seen = 0; !wrong && walk != fs::recursive_directory_iterator() && seen < most_folders;
-       walk.increment(wrong), ++seen) {
-    const fs::path& path = walk->path();
-    if (!walk->is_directory(wrong)) continue;
-    const bool package_here = is_package(path);
-    if (package_here && path.filename() == package) found.push_back(path);
-    if (package_here || walk.depth() >= deepest_package || path.filename().string().starts_with('.'))
-      walk.disable_recursion_pending();
-  }
-}
-
-std::string in_package(const std::string& given, const std::string& package, const std::string& path) {
-  const auto ament = folders_of("AMENT_PREFIX_PATH"), ros = folders_of("ROS_PACKAGE_PATH");
-  if (ament.empty() && ros.empty())
-    throw not_found(given,
-                    "the package cannot be looked up: AMENT_PREFIX_PATH and ROS_PACKAGE_PATH are not set",
-                    "source the setup file of the ROS workspace, or give a path relative to the spec");
-  std::vector<fs::path> found;
-  std::error_code ignored;
-  for (const fs::path& prefix : ament)
-    if (fs::is_directory(prefix / "share" / package, ignored)) found.push_back(prefix / "share" / package);
-  for (const fs::path& folder : ros) search(folder, package, found);
-  for (const fs::path& folder : found)
-    if (fs::exists(folder / path, ignored)) return (folder / path).string();
-  if (found.empty())
-    throw not_found(given,
-                    "package '" + package + "' is in no folder of AMENT_PREFIX_PATH or ROS_PACKAGE_PATH",
-                    "is it built and its workspace sourced?");
-  throw not_found(given, "package '" + package + "' has no file '" + path + "'",
-                  "the package is " + found.front().string());
-}
-
-}  // namespace
 
 std::string urdf_path(const std::string& given, const std::string& folder) {
   const std::size_t colon = given.find("://");

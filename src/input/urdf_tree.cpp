@@ -26,6 +26,27 @@ std::string suggestion(const std::string& word, const Names& known) {
   return known.size() > 5000 ? "" : did_you_mean(word, known);
 }
 
+constexpr double least_axis = 1e-6;      // a shorter axis is taken as zero with rounding errors
+constexpr double axis_tolerance = 1e-6;  // of the norm, for axes printed with 6 decimals
+
+// 1600 turns, or 10 km: exporters write such bounds, up to 1e16 and infinity, for joints without any.
+constexpr double no_bound = 1e4;  // [rad or m]
+
+bool is_infinite(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('.')) text.remove_prefix(1);
+  const std::string word = lower_case(text);
+  return word == "inf" || word == "infinity";
+}
+
+const std::vector<std::pair<std::string, JointType>>& joint_types() {
+  static const std::vector<std::pair<std::string, JointType>> types = {
+      {"continuous", JointType::continuous}, {"fixed", JointType::fixed},
+      {"floating", JointType::floating},     {"planar", JointType::planar},
+      {"prismatic", JointType::prismatic},   {"revolute", JointType::revolute}};
+  return types;
+}
+
 }  // namespace
 
 /// Excludes a joint from the tree if it does not join two links of the robot, or if its child has a parent
@@ -158,31 +179,6 @@ void UrdfReader::check_mimic_loops() {
 }
 
 // Reading of <joint>: type, axis, limits and mimic.
-
-namespace {
-
-constexpr double least_axis = 1e-6;      // a shorter axis is taken as zero with rounding errors
-constexpr double axis_tolerance = 1e-6;  // of the norm, for axes printed with 6 decimals
-
-// 1600 turns, or 10 km: exporters write such bounds, up to 1e16 and infinity, for joints without any.
-constexpr double no_bound = 1e4;  // [rad or m]
-
-bool is_infinite(std::string_view text) {
-  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
-  if (text.starts_with('.')) text.remove_prefix(1);
-  const std::string word = lower_case(text);
-  return word == "inf" || word == "infinity";
-}
-
-const std::vector<std::pair<std::string, JointType>>& joint_types() {
-  static const std::vector<std::pair<std::string, JointType>> types = {
-      {"continuous", JointType::continuous}, {"fixed", JointType::fixed},
-      {"floating", JointType::floating},     {"planar", JointType::planar},
-      {"prismatic", JointType::prismatic},   {"revolute", JointType::revolute}};
-  return types;
-}
-
-}  // namespace
 
 std::string_view joint_type_name(JointType type) {
   for (const auto& [name, value] : joint_types())

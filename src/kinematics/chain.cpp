@@ -153,33 +153,6 @@ void sort_along_chain(Chain& chain) {
   for (ChainJoint& joint : chain.joints) joint.coordinate = new_index[joint.coordinate];
 }
 
-}  // namespace
-
-Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
-  const TreePath path = find_path(robot, base, tip);
-  Builder builder(robot);
-  for (std::size_t i = 0; i < path.joints.size(); ++i) builder.add(path.joints[i], i < path.upward);
-  Chain chain = builder.finish(path.base, path.tip);
-  if (chain.joints.empty())
-    throw Error({robot.file, 0, 0}, "robot.tip", "no moving joint between base and tip",
-                "base '" + path.base + "', tip '" + path.tip + "'",
-                "choose links with a moving joint between them");
-  LoadSum loads(robot, path.joints);
-  auto moving = chain.joints.begin();
-  for (std::size_t i = 0; i < path.joints.size(); ++i) {
-    const Joint& joint = robot.joints[path.joints[i]];
-    if (joint.type == JointType::fixed) continue;
-    if (i < path.upward)
-      loads.add(joint.parent, joint.origin.inverse(), (moving++)->load);
-    else
-      loads.add(joint.child, Eigen::Isometry3d::Identity(), (moving++)->load);
-  }
-  sort_along_chain(chain);
-  return chain;
-}
-
-namespace {
-
 /// Gives the chains the independent joints of all of them.
 void share_joints(std::vector<NamedTip>& tips) {
   std::vector<IndependentJoint> all;
@@ -207,6 +180,29 @@ bool moves(const RobotModel& robot, const std::string& base, const std::string& 
 }
 
 }  // namespace
+
+Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
+  const TreePath path = find_path(robot, base, tip);
+  Builder builder(robot);
+  for (std::size_t i = 0; i < path.joints.size(); ++i) builder.add(path.joints[i], i < path.upward);
+  Chain chain = builder.finish(path.base, path.tip);
+  if (chain.joints.empty())
+    throw Error({robot.file, 0, 0}, "robot.tip", "no moving joint between base and tip",
+                "base '" + path.base + "', tip '" + path.tip + "'",
+                "choose links with a moving joint between them");
+  LoadSum loads(robot, path.joints);
+  auto moving = chain.joints.begin();
+  for (std::size_t i = 0; i < path.joints.size(); ++i) {
+    const Joint& joint = robot.joints[path.joints[i]];
+    if (joint.type == JointType::fixed) continue;
+    if (i < path.upward)
+      loads.add(joint.parent, joint.origin.inverse(), (moving++)->load);
+    else
+      loads.add(joint.child, Eigen::Isometry3d::Identity(), (moving++)->load);
+  }
+  sort_along_chain(chain);
+  return chain;
+}
 
 std::vector<NamedTip> make_chains(const RobotModel& robot, const std::string& base,
                                   const std::vector<std::pair<std::string, std::string>>& tips) {

@@ -1,7 +1,7 @@
+#include "kinematics/folded_chain.hpp"
+
 #include <cmath>
 #include <numbers>
-
-#include "kinematics/folded_chain.hpp"
 
 namespace qerr {
 

@@ -8,7 +8,6 @@
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
-
 namespace schema {
 
 Json number() { return {{"type", "number"}}; }
@@ -68,57 +67,6 @@ bool is_plain(const std::string& text) {
                           text.front() != ' ' && text.back() != ' ');
 }
 
-}  // namespace
-
-std::string csv_cell(const std::string& cell) {
-  const std::string text = (is_formula(cell) ? "'" : "") + escaped(cell, std::string::npos);
-  if (is_plain(text)) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-std::string csv_number(double value) {
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return std::isnan(value) ? std::string() : shortest(value);
-}
-
-std::string csv_number(const std::optional<double>& value) {
-  return value ? csv_number(*value) : std::string();
-}
-
-std::string csv_cells(const Json& object, const std::vector<std::string>& paths) {
-  std::string cells;
-  for (const std::string& path : paths) {
-    const Json* value = &object;
-    for (std::size_t begin = 0; value && begin <= path.size();) {
-      const std::size_t dot = std::min(path.find('.', begin), path.size());
-      const auto member = value->find(path.substr(begin, dot - begin));
-      value = member == value->end() ? nullptr : &*member;
-      begin = dot + 1;
-    }
-    if (&path != &paths.front()) cells += ',';
-    if (!value || value->is_null()) continue;
-    cells += value->is_boolean()  ? (value->get<bool>() ? "true" : "false")
-             : value->is_string() ? csv_cell(value->get<std::string>())
-                                  : csv_number(value->get<double>());
-  }
-  return cells;
-}
-
-std::vector<std::string> csv_paths(const Json& schema) {
-  std::vector<std::string> paths;
-  for (const auto& [name, member] : schema.at("properties").items()) {
-    if (!member.contains("properties"))
-      paths.push_back(name);
-    else
-      for (const std::string& inner : csv_paths(member)) paths.push_back(name + '.' + inner);
-  }
-  return paths;
-}
-
-namespace {
-
 Error no_json(const std::string& text, std::size_t byte, const std::string& file, const std::string& rule) {
   const std::string rest =
       text.substr(byte, std::min(text.find_first_of("\r\n", byte) - byte, std::size_t{30}));
@@ -175,6 +123,53 @@ std::string text(const Json& json, int indent) {
 }
 
 }  // namespace
+
+std::string csv_cell(const std::string& cell) {
+  const std::string text = (is_formula(cell) ? "'" : "") + escaped(cell, std::string::npos);
+  if (is_plain(text)) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string csv_number(double value) {
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return std::isnan(value) ? std::string() : shortest(value);
+}
+
+std::string csv_number(const std::optional<double>& value) {
+  return value ? csv_number(*value) : std::string();
+}
+
+std::string csv_cells(const Json& object, const std::vector<std::string>& paths) {
+  std::string cells;
+  for (const std::string& path : paths) {
+    const Json* value = &object;
+    for (std::size_t begin = 0; value && begin <= path.size();) {
+      const std::size_t dot = std::min(path.find('.', begin), path.size());
+      const auto member = value->find(path.substr(begin, dot - begin));
+      value = member == value->end() ? nullptr : &*member;
+      begin = dot + 1;
+    }
+    if (&path != &paths.front()) cells += ',';
+    if (!value || value->is_null()) continue;
+    cells += value->is_boolean()  ? (value->get<bool>() ? "true" : "false")
+             : value->is_string() ? csv_cell(value->get<std::string>())
+                                  : csv_number(value->get<double>());
+  }
+  return cells;
+}
+
+std::vector<std::string> csv_paths(const Json& schema) {
+  std::vector<std::string> paths;
+  for (const auto& [name, member] : schema.at("properties").items()) {
+    if (!member.contains("properties"))
+      paths.push_back(name);
+    else
+      for (const std::string& inner : csv_paths(member)) paths.push_back(name + '.' + inner);
+  }
+  return paths;
+}
 
 Json parse_json(const std::string& text, const std::string& file) {
   constexpr int most_levels = 64;  // readers call themselves for each

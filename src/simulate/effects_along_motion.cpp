@@ -92,71 +92,6 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
   return tip.moments();
 }
 
-}  // namespace
-
-ErrorAlongMotion effects_along_motion(const OperationalModel& model, const std::vector<Effect>& effects,
-                                      const Motion& motion, const std::vector<Filter>& filters,
-                                      double settling) {
-  ErrorAlongMotion error;
-  error.tip = moments_of_tip(model, effects, UnroundedRecord(motion, motion.sample_rate, settling), nullptr,
-                             &error.joints);
-  for (const Filter& filter : filters)
-    error.filtered.push_back(moments_of_tip(
-        model, effects, UnroundedRecord(motion, filter.sample_rate, settling), &filter, nullptr));
-  return error;
-}
-
-SignalMoments effect_along_motion(const OperationalModel& model, const Effect& effect, const Motion& motion,
-                                  double settling) {
-  const std::size_t row = independent_index(model.chain, effect.joint) * batch_size;
-  const UnroundedRecord record(motion, motion.sample_rate, settling);
-  MomentSums sums;
-  record.read(model, {effect}, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-    for (const std::size_t i : used)
-      if (record.is_after_settling(batch.first + i))
-        sums.add(Eigen::VectorXd::Constant(1, batch.measured[row + i] - batch.encoder[row + i]));
-  });
-  return sums.moments();
-}
-
-double change_with_zero(const OperationalModel& model, const std::vector<Effect>& effects,
-                        std::size_t encoder, const Motion& motion, double settling) {
-  const UnroundedRecord record(motion, motion.sample_rate, settling);
-  const Eigen::VectorXd steps = resolutions(model.transmission);
-  double largest_position = 0;
-  const auto errors = [&](const Eigen::VectorXd& displacement) {
-    std::vector<double> all;
-    record.read(model, effects, displacement,
-                [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-                  for (const std::size_t i : used) {
-                    if (!record.is_after_settling(batch.first + i)) continue;
-                    const double measured = batch.measured[encoder * batch_size + i];
-                    largest_position = std::max(largest_position, std::abs(measured));
-                    all.push_back(measured - batch.encoder[encoder * batch_size + i]);
-                  }
-                });
-    return all;
-  };
-  const std::vector<double> before = errors(Eigen::VectorXd::Zero(steps.size()));
-  double sum = 0;
-  for (Eigen::Index e = 0; e < steps.size(); ++e) {
-    // Another encoder displaces this one's joint through a coupling, or changes its load.
-    const auto row = static_cast<Eigen::Index>(encoder);
-    if (e != row && model.transmission.coupling(row, e) == 0 && !needs_effort(effects)) continue;
-    double largest = 0;
-    for (const double half : {-0.5, 0.5}) {
-      const std::vector<double> after = errors(half * steps[e] * Eigen::VectorXd::Unit(steps.size(), e));
-      for (std::size_t k = 0; k < before.size(); ++k)
-        largest = std::max(largest, std::abs(after[k] - before[k]));
-    }
-    sum += largest;
-  }
-  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();  // of the positions
-  return sum > rounding * largest_position ? sum : 0;
-}
-
-namespace {
-
 constexpr double most_usage_samples = 1e5, most_efforts = 1e4;
 
 /// Evenly spaced instants of the motion: its samples if there are at most `most` of them.
@@ -265,6 +200,67 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
 }
 
 }  // namespace
+
+ErrorAlongMotion effects_along_motion(const OperationalModel& model, const std::vector<Effect>& effects,
+                                      const Motion& motion, const std::vector<Filter>& filters,
+                                      double settling) {
+  ErrorAlongMotion error;
+  error.tip = moments_of_tip(model, effects, UnroundedRecord(motion, motion.sample_rate, settling), nullptr,
+                             &error.joints);
+  for (const Filter& filter : filters)
+    error.filtered.push_back(moments_of_tip(
+        model, effects, UnroundedRecord(motion, filter.sample_rate, settling), &filter, nullptr));
+  return error;
+}
+
+SignalMoments effect_along_motion(const OperationalModel& model, const Effect& effect, const Motion& motion,
+                                  double settling) {
+  const std::size_t row = independent_index(model.chain, effect.joint) * batch_size;
+  const UnroundedRecord record(motion, motion.sample_rate, settling);
+  MomentSums sums;
+  record.read(model, {effect}, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+    for (const std::size_t i : used)
+      if (record.is_after_settling(batch.first + i))
+        sums.add(Eigen::VectorXd::Constant(1, batch.measured[row + i] - batch.encoder[row + i]));
+  });
+  return sums.moments();
+}
+
+double change_with_zero(const OperationalModel& model, const std::vector<Effect>& effects,
+                        std::size_t encoder, const Motion& motion, double settling) {
+  const UnroundedRecord record(motion, motion.sample_rate, settling);
+  const Eigen::VectorXd steps = resolutions(model.transmission);
+  double largest_position = 0;
+  const auto errors = [&](const Eigen::VectorXd& displacement) {
+    std::vector<double> all;
+    record.read(model, effects, displacement,
+                [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+                  for (const std::size_t i : used) {
+                    if (!record.is_after_settling(batch.first + i)) continue;
+                    const double measured = batch.measured[encoder * batch_size + i];
+                    largest_position = std::max(largest_position, std::abs(measured));
+                    all.push_back(measured - batch.encoder[encoder * batch_size + i]);
+                  }
+                });
+    return all;
+  };
+  const std::vector<double> before = errors(Eigen::VectorXd::Zero(steps.size()));
+  double sum = 0;
+  for (Eigen::Index e = 0; e < steps.size(); ++e) {
+    // Another encoder displaces this one's joint through a coupling, or changes its load.
+    const auto row = static_cast<Eigen::Index>(encoder);
+    if (e != row && model.transmission.coupling(row, e) == 0 && !needs_effort(effects)) continue;
+    double largest = 0;
+    for (const double half : {-0.5, 0.5}) {
+      const std::vector<double> after = errors(half * steps[e] * Eigen::VectorXd::Unit(steps.size(), e));
+      for (std::size_t k = 0; k < before.size(); ++k)
+        largest = std::max(largest, std::abs(after[k] - before[k]));
+    }
+    sum += largest;
+  }
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();  // of the positions
+  return sum > rounding * largest_position ? sum : 0;
+}
 
 RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, double margin) {
   const MotionPath path(motion);

@@ -40,6 +40,17 @@ FoldedPath along(const FoldedChain& chain, const std::vector<FoldedJoint>& joint
   return path;
 }
 
+/// Upper bound on the Jacobian columns of revolute joints in any configuration; infinite if a joint is
+/// prismatic.
+double longest_arm(const Chain& chain) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    if (joint.prismatic) return std::numeric_limits<double>::infinity();
+    sum += joint.origin.translation().norm();
+  }
+  return sum;
+}
+
 }  // namespace
 
 PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const Eigen::VectorXd& center_mean,
@@ -145,21 +156,6 @@ Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {
   }
   return all;
 }
-
-namespace {
-
-/// Upper bound on the Jacobian columns of revolute joints in any configuration; infinite if a joint is
-/// prismatic.
-double longest_arm(const Chain& chain) {
-  double sum = chain.tip_offset.translation().norm();
-  for (const ChainJoint& joint : chain.joints) {
-    if (joint.prismatic) return std::numeric_limits<double>::infinity();
-    sum += joint.origin.translation().norm();
-  }
-  return sum;
-}
-
-}  // namespace
 
 /// @param of_independent  derivative of the independent joints with respect to the error
 void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_independent, double mean,

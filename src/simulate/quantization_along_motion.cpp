@@ -205,49 +205,6 @@ class FilteredZeros {
   bool started_ = false;
 };
 
-}  // namespace
-
-std::vector<Travel> travels(const OperationalModel& model, const std::vector<Effect>& effects,
-                            const UnroundedRecord& record) {
-  const std::vector<Encoder>& encoders = model.transmission.encoders;
-  std::vector<Travel> all(encoders.size());
-  std::vector<double> last(encoders.size());
-  // Positions within a count, in parts of 2^-16: more of them need no more zeros.
-  std::vector<std::bitset<65536>> seen(encoders.size());
-  bool started = false;
-  record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-    for (std::size_t e = 0; e < encoders.size(); ++e) {
-      Travel& t = all[e];
-      for (const std::size_t i : used) {
-        const double x = batch.measured[e * batch_size + i] / encoders[e].resolution;
-        if (!started && i == used.front()) t = {x, x, x, 0};
-        seen[e].set(static_cast<std::size_t>((x - std::floor(x)) * 0x1p16) & 0xffff);
-        t.length += i == used.front() && !started ? 0 : std::abs(x - last[e]);
-        t.lower = std::min(t.lower, x);
-        t.upper = std::max(t.upper, x);
-        last[e] = x;
-      }
-    }
-    started = true;
-  });
-  for (std::size_t e = 0; e < encoders.size(); ++e) all[e].distinct = static_cast<double>(seen[e].count());
-  return all;
-}
-
-std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels, std::uint64_t samples) {
-  constexpr double least = 16, least_crossing = 64, most_simulated = 0x1p24;
-  const double most = std::clamp(most_simulated / static_cast<double>(samples), least, 256.0);
-  double wanted = std::max(least, affordable_zeros(static_cast<double>(samples)));
-  for (const Travel& t : travels) {
-    if (t.range() == 0) continue;
-    if (t.range() * most < least_crossing) return 0;
-    wanted = std::max(wanted, enough_crossings * std::min(t.range(), 1.0) / t.length);
-  }
-  return static_cast<std::uint64_t>(std::min(wanted, most));
-}
-
-namespace {
-
 /// Speed of every encoder, at a time [counts/s].
 class Speeds {
  public:
@@ -320,6 +277,45 @@ Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::v
 }
 
 }  // namespace
+
+std::vector<Travel> travels(const OperationalModel& model, const std::vector<Effect>& effects,
+                            const UnroundedRecord& record) {
+  const std::vector<Encoder>& encoders = model.transmission.encoders;
+  std::vector<Travel> all(encoders.size());
+  std::vector<double> last(encoders.size());
+  // Positions within a count, in parts of 2^-16: more of them need no more zeros.
+  std::vector<std::bitset<65536>> seen(encoders.size());
+  bool started = false;
+  record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+    for (std::size_t e = 0; e < encoders.size(); ++e) {
+      Travel& t = all[e];
+      for (const std::size_t i : used) {
+        const double x = batch.measured[e * batch_size + i] / encoders[e].resolution;
+        if (!started && i == used.front()) t = {x, x, x, 0};
+        seen[e].set(static_cast<std::size_t>((x - std::floor(x)) * 0x1p16) & 0xffff);
+        t.length += i == used.front() && !started ? 0 : std::abs(x - last[e]);
+        t.lower = std::min(t.lower, x);
+        t.upper = std::max(t.upper, x);
+        last[e] = x;
+      }
+    }
+    started = true;
+  });
+  for (std::size_t e = 0; e < encoders.size(); ++e) all[e].distinct = static_cast<double>(seen[e].count());
+  return all;
+}
+
+std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels, std::uint64_t samples) {
+  constexpr double least = 16, least_crossing = 64, most_simulated = 0x1p24;
+  const double most = std::clamp(most_simulated / static_cast<double>(samples), least, 256.0);
+  double wanted = std::max(least, affordable_zeros(static_cast<double>(samples)));
+  for (const Travel& t : travels) {
+    if (t.range() == 0) continue;
+    if (t.range() * most < least_crossing) return 0;
+    wanted = std::max(wanted, enough_crossings * std::min(t.range(), 1.0) / t.length);
+  }
+  return static_cast<std::uint64_t>(std::min(wanted, most));
+}
 
 std::optional<Eigen::VectorXd> sigma_along_motion(const OperationalModel& model,
                                                   const std::vector<Effect>& effects, const Motion& motion,

@@ -43,89 +43,6 @@ void set_worst_case(OperationalModel& model, const Norms& norms, bool length) {
   }
 }
 
-}  // namespace
-
-OperationalModel figure_model(const OperationalModel& position, const std::vector<Norms>& filters,
-                              const std::vector<Eigen::VectorXd>& noise_in_motion, const Figure& figure) {
-  OperationalModel model = position;
-  if (figure.filter < 0) return model;
-  const auto f = static_cast<std::size_t>(figure.filter);
-  if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
-  if (!is_sigma(figure.bound)) {
-    set_worst_case(model, filters[f], is_length(all_signals(model)[figure.signal]));
-    return model;
-  }
-  if (!sigma_is_known(model.sources, f))
-    throw not_known(
-        "sigma behind a filter is not known: it depends on the motion, of which nothing is stated",
-        "add `motion:`, or velocity to the joints' <limit> in the URDF; or ask for worst_case");
-  const bool in_motion = figure.bound == Bound::sigma_in_motion;
-  if (in_motion && !is_known(noise_in_motion, f))
-    throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
-  const auto count = std::ssize(model.transmission.encoders);
-  const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2, in_motion);
-  for (std::size_t i = 0; i < model.sources.size(); ++i) model.sources[i].sigma *= ratios[i];
-  scale_encoders(model, in_motion ? Eigen::VectorXd(std::sqrt(12.0) * noise_in_motion[f])
-                                  : Eigen::VectorXd::Constant(count, filters[f].h2));
-  return model;
-}
-
-FigureValues::FigureValues(const OperationalModel& model, const std::vector<Norms>& filters,
-                           const std::vector<Eigen::VectorXd>& noise_in_motion)
-    : filters_(filters),
-      errors_(model,
-              {.rigorous = true, .shares = false, .filters = filters, .noise_in_motion = noise_in_motion}),
-      joints_(model.chain.independent.size()),
-      q_(joints_ * batch_size),
-      figures_(errors_.figures().count * batch_size) {}
-
-double FigureValues::value(const Figure& figure, std::size_t configuration) const {
-  const FigureColumn column = figure_column(figure, filters_, errors_.figures());
-  return column.factor * figures_[column.figure * batch_size + configuration];
-}
-
-std::vector<std::vector<double>> FigureValues::operator()(
-    const std::vector<Figure>& figures, const std::vector<Eigen::VectorXd>& configurations) {
-  std::vector<std::vector<double>> values(figures.size());
-  for (std::size_t first = 0; first < configurations.size(); first += batch_size) {
-    const std::size_t count = std::min<std::size_t>(batch_size, configurations.size() - first);
-    for (std::size_t i = 0; i < batch_size; ++i)
-      for (std::size_t j = 0; j < joints_; ++j)
-        q_[j * batch_size + i] = configurations[first + std::min(i, count - 1)][j];
-    errors_(q_.data(), figures_.data());
-    for (std::size_t f = 0; f < figures.size(); ++f)
-      for (std::size_t i = 0; i < count; ++i) values[f].push_back(value(figures[f], i));
-  }
-  return values;
-}
-
-std::vector<std::vector<Eigen::VectorXd>> FigureValues::best_samples(const std::vector<Figure>& figures,
-                                                                     const std::vector<Limits>& ranges) {
-  constexpr std::uint64_t blocks = 64, block = 1024;
-  const Configurations points{.method = SamplingMethod::sobol, .count = blocks * block, .ranges = ranges};
-  Sampler sampler(points);
-  std::vector<std::vector<Eigen::VectorXd>> best(figures.size());
-  std::vector<double> largest(figures.size());
-  for (std::uint64_t first = 0; first < blocks * block; first += batch_size) {
-    sampler(first, q_.data());
-    errors_(q_.data(), figures_.data());
-    const bool fresh = first % block == 0;
-    for (std::size_t f = 0; f < figures.size(); ++f)
-      for (std::size_t i = 0; i < batch_size; ++i) {
-        const double here = value(figures[f], i);
-        if (fresh && i == 0)
-          best[f].emplace_back(static_cast<Eigen::Index>(joints_));
-        else if (!(here > largest[f]))
-          continue;
-        largest[f] = here;
-        for (std::size_t j = 0; j < joints_; ++j) best[f].back()[j] = q_[j * batch_size + i];
-      }
-  }
-  return best;
-}
-
-namespace {
-
 constexpr double whole_turn = 2 * std::numbers::pi;
 
 /// The first value of t + k turns that is not below the range, if it is in the range.
@@ -147,104 +64,6 @@ double sum_of_magnitudes(const Harmonics& h, double t) {
   for (Eigen::Index g = 0; g < h.rows(); ++g) sum += std::abs(h(g, 0) + h(g, 1) * c + h(g, 2) * s);
   return sum;
 }
-
-}  // namespace
-
-Harmonics harmonics(const Eigen::VectorXd& at_0, const Eigen::VectorXd& at_plus,
-                    const Eigen::VectorXd& at_minus) {
-  Harmonics h(at_0.size(), 3);
-  h.col(0) = (at_0 + at_plus + at_minus) / 3;
-  h.col(1) = at_0 - h.col(0);
-  h.col(2) = (at_plus - at_minus) / std::numbers::sqrt3;
-  return h;
-}
-
-double argmax_of_magnitudes(const Harmonics& h, const Limits& whole) {
-  const Limits range = within_a_turn(whole);
-  std::vector<double> ends{range.lower, range.upper};
-  for (Eigen::Index g = 0; g < h.rows(); ++g) {
-    const double amplitude = std::hypot(h(g, 1), h(g, 2));
-    if (!(std::abs(h(g, 0)) < amplitude)) continue;
-    const double phase = std::atan2(h(g, 2), h(g, 1)), off = std::acos(-h(g, 0) / amplitude);
-    for (const double zero : {phase + off, phase - off})
-      for_each_inside(zero, range, [&](double t) { ends.push_back(t); });
-  }
-  std::ranges::sort(ends);
-  double best = range.lower, largest = -1;
-  const auto consider = [&](double t) {
-    const double value = sum_of_magnitudes(h, t);
-    if (value > largest) largest = value, best = t;
-  };
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    consider(ends[i]);
-    if (i + 1 == ends.size()) break;
-    const double middle = 0.5 * (ends[i] + ends[i + 1]), c = std::cos(middle), s = std::sin(middle);
-    double along = 0, across = 0;
-    for (Eigen::Index g = 0; g < h.rows(); ++g) {
-      const double sign = h(g, 0) + h(g, 1) * c + h(g, 2) * s < 0 ? -1 : 1;
-      along += sign * h(g, 1);
-      across += sign * h(g, 2);
-    }
-    for_each_inside(std::atan2(across, along), {ends[i], ends[i + 1]}, consider);
-  }
-  return best;
-}
-
-double argmax_of_squares(const Harmonics& h, const Limits& whole) {
-  const Limits range = within_a_turn(whole);
-  // (a + b c + c s)^2 = a^2 + (b^2 + c^2)/2 + 2 a b cos + 2 a c sin + (b^2 - c^2)/2 cos 2t + b c sin 2t.
-  const double c1 = 2 * h.col(0).dot(h.col(1)), s1 = 2 * h.col(0).dot(h.col(2)),
-               c2 = 0.5 * (h.col(1).squaredNorm() - h.col(2).squaredNorm()), s2 = h.col(1).dot(h.col(2));
-  const auto value = [&](double t) {
-    return c1 * std::cos(t) + s1 * std::sin(t) + c2 * std::cos(2 * t) + s2 * std::sin(2 * t);
-  };
-  const auto slope = [&](double t) {
-    return s1 * std::cos(t) - c1 * std::sin(t) + 2 * s2 * std::cos(2 * t) - 2 * c2 * std::sin(2 * t);
-  };
-  constexpr int samples = 64;
-  double best = range.lower, largest = value(best);
-  const auto consider = [&](double t) {
-    if (value(t) > largest) largest = value(t), best = t;
-  };
-  double before = range.lower, slope_before = slope(before);
-  for (int i = 1; i <= samples; ++i) {
-    const double t = i == samples ? range.upper : range.lower + (range.upper - range.lower) * i / samples;
-    const double slope_at = slope(t);
-    if (slope_before > 0 && slope_at < 0) {  // a maximum between the two: bisection
-      consider(bisect({before, t}, 52, [&](double x) { return slope(x) > 0; }).middle());
-    }
-    consider(t);
-    before = t;
-    slope_before = slope_at;
-  }
-  return best;
-}
-
-double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples) {
-  const double step = (range.upper - range.lower) / samples;
-  const auto count = static_cast<std::size_t>(samples);
-  std::vector<double> at, value;
-  for (std::size_t i = 0; i <= count; ++i) {
-    at.push_back(i == count ? range.upper : range.lower + step * static_cast<double>(i));
-    value.push_back(f(at.back()));
-  }
-  std::vector<std::size_t> peaks;
-  for (std::size_t i = 0; i <= count; ++i)
-    if ((i == 0 || value[i] >= value[i - 1]) && (i == count || value[i] >= value[i + 1])) peaks.push_back(i);
-  std::ranges::stable_sort(peaks, [&](std::size_t a, std::size_t b) { return value[a] > value[b]; });
-  constexpr std::size_t refined = 3;  // the highest sample need not be at the highest peak
-  peaks.resize(std::min(peaks.size(), refined));
-  double best = at[peaks.front()], largest = value[peaks.front()];
-  for (const std::size_t peak : peaks) {
-    // 0.618^40 = 4e-9, whose square is lost in rounding.
-    const double t =
-        golden_section(at[peak == 0 ? 0 : peak - 1], at[std::min(peak + 1, count)], 40, f).middle();
-    if (const double there = f(t); there > largest) largest = there, best = t;
-  }
-  return best;
-}
-
-namespace {
 
 constexpr int most_rounds = 200;
 constexpr double still_growing = 1 + 1e-12;
@@ -391,6 +210,179 @@ class Ascent {
 };
 
 }  // namespace
+
+OperationalModel figure_model(const OperationalModel& position, const std::vector<Norms>& filters,
+                              const std::vector<Eigen::VectorXd>& noise_in_motion, const Figure& figure) {
+  OperationalModel model = position;
+  if (figure.filter < 0) return model;
+  const auto f = static_cast<std::size_t>(figure.filter);
+  if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
+  if (!is_sigma(figure.bound)) {
+    set_worst_case(model, filters[f], is_length(all_signals(model)[figure.signal]));
+    return model;
+  }
+  if (!sigma_is_known(model.sources, f))
+    throw not_known(
+        "sigma behind a filter is not known: it depends on the motion, of which nothing is stated",
+        "add `motion:`, or velocity to the joints' <limit> in the URDF; or ask for worst_case");
+  const bool in_motion = figure.bound == Bound::sigma_in_motion;
+  if (in_motion && !is_known(noise_in_motion, f))
+    throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
+  const auto count = std::ssize(model.transmission.encoders);
+  const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2, in_motion);
+  for (std::size_t i = 0; i < model.sources.size(); ++i) model.sources[i].sigma *= ratios[i];
+  scale_encoders(model, in_motion ? Eigen::VectorXd(std::sqrt(12.0) * noise_in_motion[f])
+                                  : Eigen::VectorXd::Constant(count, filters[f].h2));
+  return model;
+}
+
+FigureValues::FigureValues(const OperationalModel& model, const std::vector<Norms>& filters,
+                           const std::vector<Eigen::VectorXd>& noise_in_motion)
+    : filters_(filters),
+      errors_(model,
+              {.rigorous = true, .shares = false, .filters = filters, .noise_in_motion = noise_in_motion}),
+      joints_(model.chain.independent.size()),
+      q_(joints_ * batch_size),
+      figures_(errors_.figures().count * batch_size) {}
+
+double FigureValues::value(const Figure& figure, std::size_t configuration) const {
+  const FigureColumn column = figure_column(figure, filters_, errors_.figures());
+  return column.factor * figures_[column.figure * batch_size + configuration];
+}
+
+std::vector<std::vector<double>> FigureValues::operator()(
+    const std::vector<Figure>& figures, const std::vector<Eigen::VectorXd>& configurations) {
+  std::vector<std::vector<double>> values(figures.size());
+  for (std::size_t first = 0; first < configurations.size(); first += batch_size) {
+    const std::size_t count = std::min<std::size_t>(batch_size, configurations.size() - first);
+    for (std::size_t i = 0; i < batch_size; ++i)
+      for (std::size_t j = 0; j < joints_; ++j)
+        q_[j * batch_size + i] = configurations[first + std::min(i, count - 1)][j];
+    errors_(q_.data(), figures_.data());
+    for (std::size_t f = 0; f < figures.size(); ++f)
+      for (std::size_t i = 0; i < count; ++i) values[f].push_back(value(figures[f], i));
+  }
+  return values;
+}
+
+std::vector<std::vector<Eigen::VectorXd>> FigureValues::best_samples(const std::vector<Figure>& figures,
+                                                                     const std::vector<Limits>& ranges) {
+  constexpr std::uint64_t blocks = 64, block = 1024;
+  const Configurations points{.method = SamplingMethod::sobol, .count = blocks * block, .ranges = ranges};
+  Sampler sampler(points);
+  std::vector<std::vector<Eigen::VectorXd>> best(figures.size());
+  std::vector<double> largest(figures.size());
+  for (std::uint64_t first = 0; first < blocks * block; first += batch_size) {
+    sampler(first, q_.data());
+    errors_(q_.data(), figures_.data());
+    const bool fresh = first % block == 0;
+    for (std::size_t f = 0; f < figures.size(); ++f)
+      for (std::size_t i = 0; i < batch_size; ++i) {
+        const double here = value(figures[f], i);
+        if (fresh && i == 0)
+          best[f].emplace_back(static_cast<Eigen::Index>(joints_));
+        else if (!(here > largest[f]))
+          continue;
+        largest[f] = here;
+        for (std::size_t j = 0; j < joints_; ++j) best[f].back()[j] = q_[j * batch_size + i];
+      }
+  }
+  return best;
+}
+
+Harmonics harmonics(const Eigen::VectorXd& at_0, const Eigen::VectorXd& at_plus,
+                    const Eigen::VectorXd& at_minus) {
+  Harmonics h(at_0.size(), 3);
+  h.col(0) = (at_0 + at_plus + at_minus) / 3;
+  h.col(1) = at_0 - h.col(0);
+  h.col(2) = (at_plus - at_minus) / std::numbers::sqrt3;
+  return h;
+}
+
+double argmax_of_magnitudes(const Harmonics& h, const Limits& whole) {
+  const Limits range = within_a_turn(whole);
+  std::vector<double> ends{range.lower, range.upper};
+  for (Eigen::Index g = 0; g < h.rows(); ++g) {
+    const double amplitude = std::hypot(h(g, 1), h(g, 2));
+    if (!(std::abs(h(g, 0)) < amplitude)) continue;
+    const double phase = std::atan2(h(g, 2), h(g, 1)), off = std::acos(-h(g, 0) / amplitude);
+    for (const double zero : {phase + off, phase - off})
+      for_each_inside(zero, range, [&](double t) { ends.push_back(t); });
+  }
+  std::ranges::sort(ends);
+  double best = range.lower, largest = -1;
+  const auto consider = [&](double t) {
+    const double value = sum_of_magnitudes(h, t);
+    if (value > largest) largest = value, best = t;
+  };
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    consider(ends[i]);
+    if (i + 1 == ends.size()) break;
+    const double middle = 0.5 * (ends[i] + ends[i + 1]), c = std::cos(middle), s = std::sin(middle);
+    double along = 0, across = 0;
+    for (Eigen::Index g = 0; g < h.rows(); ++g) {
+      const double sign = h(g, 0) + h(g, 1) * c + h(g, 2) * s < 0 ? -1 : 1;
+      along += sign * h(g, 1);
+      across += sign * h(g, 2);
+    }
+    for_each_inside(std::atan2(across, along), {ends[i], ends[i + 1]}, consider);
+  }
+  return best;
+}
+
+double argmax_of_squares(const Harmonics& h, const Limits& whole) {
+  const Limits range = within_a_turn(whole);
+  // (a + b c + c s)^2 = a^2 + (b^2 + c^2)/2 + 2 a b cos + 2 a c sin + (b^2 - c^2)/2 cos 2t + b c sin 2t.
+  const double c1 = 2 * h.col(0).dot(h.col(1)), s1 = 2 * h.col(0).dot(h.col(2)),
+               c2 = 0.5 * (h.col(1).squaredNorm() - h.col(2).squaredNorm()), s2 = h.col(1).dot(h.col(2));
+  const auto value = [&](double t) {
+    return c1 * std::cos(t) + s1 * std::sin(t) + c2 * std::cos(2 * t) + s2 * std::sin(2 * t);
+  };
+  const auto slope = [&](double t) {
+    return s1 * std::cos(t) - c1 * std::sin(t) + 2 * s2 * std::cos(2 * t) - 2 * c2 * std::sin(2 * t);
+  };
+  constexpr int samples = 64;
+  double best = range.lower, largest = value(best);
+  const auto consider = [&](double t) {
+    if (value(t) > largest) largest = value(t), best = t;
+  };
+  double before = range.lower, slope_before = slope(before);
+  for (int i = 1; i <= samples; ++i) {
+    const double t = i == samples ? range.upper : range.lower + (range.upper - range.lower) * i / samples;
+    const double slope_at = slope(t);
+    if (slope_before > 0 && slope_at < 0) {  // a maximum between the two: bisection
+      consider(bisect({before, t}, 52, [&](double x) { return slope(x) > 0; }).middle());
+    }
+    consider(t);
+    before = t;
+    slope_before = slope_at;
+  }
+  return best;
+}
+
+double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples) {
+  const double step = (range.upper - range.lower) / samples;
+  const auto count = static_cast<std::size_t>(samples);
+  std::vector<double> at, value;
+  for (std::size_t i = 0; i <= count; ++i) {
+    at.push_back(i == count ? range.upper : range.lower + step * static_cast<double>(i));
+    value.push_back(f(at.back()));
+  }
+  std::vector<std::size_t> peaks;
+  for (std::size_t i = 0; i <= count; ++i)
+    if ((i == 0 || value[i] >= value[i - 1]) && (i == count || value[i] >= value[i + 1])) peaks.push_back(i);
+  std::ranges::stable_sort(peaks, [&](std::size_t a, std::size_t b) { return value[a] > value[b]; });
+  constexpr std::size_t refined = 3;  // the highest sample need not be at the highest peak
+  peaks.resize(std::min(peaks.size(), refined));
+  double best = at[peaks.front()], largest = value[peaks.front()];
+  for (const std::size_t peak : peaks) {
+    // 0.618^40 = 4e-9, whose square is lost in rounding.
+    const double t =
+        golden_section(at[peak == 0 ? 0 : peak - 1], at[std::min(peak + 1, count)], 40, f).middle();
+    if (const double there = f(t); there > largest) largest = there, best = t;
+  }
+  return best;
+}
 
 Eigen::VectorXd ascend(const ErrorTerms& terms, const std::vector<Limits>& ranges, Eigen::VectorXd start) {
   return Ascent(terms, ranges, std::move(start)).run();

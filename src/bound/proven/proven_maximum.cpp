@@ -224,18 +224,6 @@ class DoneProofs {
   std::mutex mutex_;
 };
 
-}  // namespace
-
-double ProvenMaximum::gap() const { return lower == upper ? 0 : upper / lower - 1; }
-
-void set_reached(ProvenMaximum& m, double value) {
-  if (value > m.upper * (1 + 1e-9)) throw std::logic_error("a configuration exceeds the proven maximum");
-  m.lower = value;
-  m.upper = std::max(m.upper, value);
-}
-
-namespace {
-
 /// Figures of signals that are no coordinates of other chains.
 std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const std::vector<Norms>& filters,
                                            const std::vector<Limits>& given_ranges,
@@ -296,6 +284,14 @@ std::vector<ProvenMaximum> maxima_of_model(const OperationalModel& model, const 
 }
 
 }  // namespace
+
+double ProvenMaximum::gap() const { return lower == upper ? 0 : upper / lower - 1; }
+
+void set_reached(ProvenMaximum& m, double value) {
+  if (value > m.upper * (1 + 1e-9)) throw std::logic_error("a configuration exceeds the proven maximum");
+  m.lower = value;
+  m.upper = std::max(m.upper, value);
+}
 
 std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
                                          const std::vector<Limits>& ranges,

@@ -133,6 +133,30 @@ DirectionStencil weights_at(const DirectionGrid& g, Eigen::Vector3d u,
   return s;
 }
 
+constexpr double turn = 2 * std::numbers::pi;
+
+void set_nodes(ArcGrid& g) {
+  for (std::size_t j = 0; j < g.nodes; ++j) {
+    g.node_cos.push_back(std::cos(static_cast<double>(j) * g.node_spacing));
+    g.node_sin.push_back(std::sin(static_cast<double>(j) * g.node_spacing));
+  }
+  g.node_cos.push_back(1);
+  g.node_sin.push_back(0);
+}
+
+void set_samples(ArcGrid& g, double lower, std::size_t stride) {
+  const std::size_t own = g.intervals + 1, count = g.full ? g.intervals : (g.nodes - 1) * g.step + own;
+  for (std::size_t i = 0; i < count; ++i) {
+    // Strides beyond the range leave gaps between the samples of neighbouring nodes.
+    const std::size_t place = stride <= own ? i : i / own * stride + i % own;
+    const double angle = lower + static_cast<double>(place) * (g.intervals > 0 ? g.spacing : g.node_spacing);
+    g.sample_cos.push_back(std::cos(angle));
+    g.sample_sin.push_back(std::sin(angle));
+    g.middle_cos.push_back(std::cos(angle + g.spacing / 2));
+    g.middle_sin.push_back(std::sin(angle + g.spacing / 2));
+  }
+}
+
 }  // namespace
 
 DirectionGrid direction_grid(bool half, double polar_step, const ArcGrid& azimuths) {
@@ -196,34 +220,6 @@ double largest_over_directions(const DirectionGrid& g, const std::vector<double>
     }
   return largest;
 }
-
-namespace {
-
-constexpr double turn = 2 * std::numbers::pi;
-
-void set_nodes(ArcGrid& g) {
-  for (std::size_t j = 0; j < g.nodes; ++j) {
-    g.node_cos.push_back(std::cos(static_cast<double>(j) * g.node_spacing));
-    g.node_sin.push_back(std::sin(static_cast<double>(j) * g.node_spacing));
-  }
-  g.node_cos.push_back(1);
-  g.node_sin.push_back(0);
-}
-
-void set_samples(ArcGrid& g, double lower, std::size_t stride) {
-  const std::size_t own = g.intervals + 1, count = g.full ? g.intervals : (g.nodes - 1) * g.step + own;
-  for (std::size_t i = 0; i < count; ++i) {
-    // Strides beyond the range leave gaps between the samples of neighbouring nodes.
-    const std::size_t place = stride <= own ? i : i / own * stride + i % own;
-    const double angle = lower + static_cast<double>(place) * (g.intervals > 0 ? g.spacing : g.node_spacing);
-    g.sample_cos.push_back(std::cos(angle));
-    g.sample_sin.push_back(std::sin(angle));
-    g.middle_cos.push_back(std::cos(angle + g.spacing / 2));
-    g.middle_sin.push_back(std::sin(angle + g.spacing / 2));
-  }
-}
-
-}  // namespace
 
 ArcGrid arc_grid(double lower, double upper, double target, bool azimuths) {
   ArcGrid g;

@@ -9,6 +9,7 @@
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
+
 namespace {
 
 /// The number with at least as many bits, exactly: the sum of its leading doubles.
@@ -63,27 +64,6 @@ std::optional<double> difference(const Filter& h, const std::vector<Binary1024>&
   if (const auto d = difference<Binary1024>(h, b, a, lift)) return d;
   return difference<Binary<4096>>(h, b, a, lift);
 }
-
-}  // namespace
-
-std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
-                                      const std::vector<double>& a, double modulus) {
-  return deviation_of(h, std::vector<Binary1024>(b.begin(), b.end()),
-                      std::vector<Binary1024>(a.begin(), a.end()), modulus);
-}
-
-std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,
-                                      const std::vector<Binary1024>& a, double modulus) {
-  const auto plain = difference(h, b, a, 0);
-  if (!plain) return std::nullopt;
-  // Cauchy and Schwarz: sum |d_k| <= (sum r^2k)^(1/2) (sum (d_k r^-k)^2)^(1/2), r = 1/(1 + lift).
-  const double lift = std::min(1.0, 0.5 * (1 - modulus) / modulus);
-  const auto lifted = difference(h, b, a, lift);
-  const double sum = (1 + lift) / std::sqrt(lift * (2 + lift));
-  return Deviation{*plain, lifted ? *lifted * sum * (1 + 0x1p-40) : std::numeric_limits<double>::infinity()};
-}
-
-namespace {
 
 using Numerator = std::array<DoubleDouble, 3>;
 using PlanSection = NormalizedSection<DoubleDouble>;
@@ -242,6 +222,23 @@ RecursionError of_taps(const FilterPlan<DoubleDouble>& plan, double u) {
 }
 
 }  // namespace
+
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
+                                      const std::vector<double>& a, double modulus) {
+  return deviation_of(h, std::vector<Binary1024>(b.begin(), b.end()),
+                      std::vector<Binary1024>(a.begin(), a.end()), modulus);
+}
+
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,
+                                      const std::vector<Binary1024>& a, double modulus) {
+  const auto plain = difference(h, b, a, 0);
+  if (!plain) return std::nullopt;
+  // Cauchy and Schwarz: sum |d_k| <= (sum r^2k)^(1/2) (sum (d_k r^-k)^2)^(1/2), r = 1/(1 + lift).
+  const double lift = std::min(1.0, 0.5 * (1 - modulus) / modulus);
+  const auto lifted = difference(h, b, a, lift);
+  const double sum = (1 + lift) / std::sqrt(lift * (2 + lift));
+  return Deviation{*plain, lifted ? *lifted * sum * (1 + 0x1p-40) : std::numeric_limits<double>::infinity()};
+}
 
 FilterPlan<DoubleDouble> levelled_plan(const Filter& filter) {
   FilterPlan<DoubleDouble> plan = filter_plan<DoubleDouble>(filter);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -144,17 +145,6 @@ class SignRuns {
   std::int64_t visits_of_taylor_;
 };
 
-}  // namespace
-
-RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
-                    std::int64_t end, std::int64_t visits) {
-  SignRuns runs(x, powers, scale, visits);
-  runs.cover(first, end);
-  return runs.result();
-}
-
-namespace {
-
 constexpr std::size_t block = 256;
 
 /// z^j, j = 0 .. block-1, each rounded once.
@@ -189,39 +179,6 @@ double absolute_sum(const std::array<double, block>& x, std::size_t count) {
   }
   return sum;
 }
-
-}  // namespace
-
-SampledSum sampled_sum(const std::vector<Mode>& modes, const Powers& powers, std::int64_t first,
-                       std::int64_t end) {
-  const std::vector<Table> tables = tables_of(modes.size(), powers);
-  const double rounding = 1.01 * (term_error + 0x1p-53 * static_cast<double>(modes.size()) + 0x1p-53 * block);
-  SampledSum result;
-  DoubleDouble total;
-  std::vector<std::complex<double>> power;
-  std::array<double, block> x;
-  for (std::int64_t k = first; k < end; k += block) {
-    powers.quick(k, power);
-    x.fill(0);
-    const auto count = static_cast<std::size_t>(std::min<std::int64_t>(block, end - k));
-    for (std::size_t i = 0; i < modes.size(); ++i) {
-      const ComplexBall& c = modes[i].c[0];
-      const double twice = modes[i].pair ? 2 : 1;
-      const std::complex<double> start =
-          twice * std::complex<double>(c.re.mid().hi, c.im.mid().hi) * power[i];
-      const double re = start.real(), im = start.imag();
-      for (std::size_t j = 0; j < block; ++j) x[j] += re * tables[i].re[j] - im * tables[i].im[j];
-      const double terms = std::min(static_cast<double>(count), 1 / powers.one_minus_modulus(i));
-      result.error += (rounding * std::abs(start) + twice * (c.re.rad() + c.im.rad())) * terms + 1e-290;
-    }
-    total += DoubleDouble(absolute_sum(x, count));
-  }
-  result.sum = static_cast<double>(total);
-  result.error = result.error * 1.001 + 0x1p-52 * result.sum;
-  return result;
-}
-
-namespace {
 
 /// An integer below 2^500 in magnitude: sums and products are exact in 1024 bits, and so is the floor of a
 /// quotient, which is either an integer or at least 1/divisor away from one.
@@ -280,37 +237,6 @@ Binary256 exact(const DoubleDouble& x) { return Binary256(x.hi) + Binary256(x.lo
 
 FineBall fine(const RealBall& x) { return FineBall(exact(x.mid()), x.rad()); }
 
-}  // namespace
-
-// x_k = 2 Re(c z^k) has the sign (-1)^floor(k alpha + beta), alpha = arg z/pi, beta = arg(c z^from)/pi + 1/2,
-// k counted from `from`. The angles are truncated to 200 bits, and arg c is as uncertain as c: a sign can be
-// wrong only where the phase is within that uncertainty of a change of sign. There |x_k| <= 2 |c z^k|
-// sin(uncertainty), so that the sum is low by at most twice that over all k.
-RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end) {
-  const FineComplex one(1.0), z = mode.z, c{fine(mode.c[0].re), fine(mode.c[0].im)};
-  const FineComplex start = c * power(Word{z, {}}, static_cast<double>(from)).factor;
-  const Binary256 pi = pi256();
-  // The additional half cycle keeps beta positive; `sign` compensates it.
-  const Binary256 alpha = atan2(z.im.mid(), z.re.mid()) / pi;
-  const Binary256 beta = atan2(start.im.mid(), start.re.mid()) / pi + 1.5;
-  const Integer unit = ldexp(Integer(1), fraction_bits);
-  const Integer rise = fixed_point(alpha), offset = fixed_point(beta);
-  const Word up{-1.0, 0.0}, on{z, z};
-  const double sign = modulo(quotient(offset, unit), 2) == 0 ? -1 : 1;
-  const Word all =
-      line(rise, unit, modulo(offset, unit), Integer(static_cast<double>(end - from - 1)), up, on);
-  const FineBall sum = FineBall(2 * sign) * (start * (one + all.share)).re;
-  // The truncation grows to 2^-140 over 2^52 terms; arg(start) is off by less than twice its relative error.
-  const long double size = std::hypot(start.re.largest(), start.im.largest());
-  const long double uncertainty = 4 * std::max(start.re.rad(), start.im.rad()) + 0x1p-130L * size;
-  const double count = std::min(static_cast<double>(end - from), 1.01 / one_minus_modulus(mode.one_minus_z));
-  const DoubleDouble rounded = to_double_double(sum.mid());
-  const long double error = (sum - FineBall::exactly(rounded)).largest() + 4 * uncertainty * count;
-  return RealBall(rounded, static_cast<double>(error) * (1 + 0x1p-50));
-}
-
-namespace {
-
 constexpr double negligible_tail = 1e-18;   // remaining sum of a dropped mode relative to the norm
 constexpr double blocks_per_run = 8;        // of an oscillation, its sums included
 constexpr double samples_per_block = 300;   // that sampled_sum takes in the time of a block
@@ -367,6 +293,69 @@ TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t 
 }
 
 }  // namespace
+
+RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
+                    std::int64_t end, std::int64_t visits) {
+  SignRuns runs(x, powers, scale, visits);
+  runs.cover(first, end);
+  return runs.result();
+}
+
+SampledSum sampled_sum(const std::vector<Mode>& modes, const Powers& powers, std::int64_t first,
+                       std::int64_t end) {
+  const std::vector<Table> tables = tables_of(modes.size(), powers);
+  const double rounding = 1.01 * (term_error + 0x1p-53 * static_cast<double>(modes.size()) + 0x1p-53 * block);
+  SampledSum result;
+  DoubleDouble total;
+  std::vector<std::complex<double>> power;
+  std::array<double, block> x;
+  for (std::int64_t k = first; k < end; k += block) {
+    powers.quick(k, power);
+    x.fill(0);
+    const auto count = static_cast<std::size_t>(std::min<std::int64_t>(block, end - k));
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      const ComplexBall& c = modes[i].c[0];
+      const double twice = modes[i].pair ? 2 : 1;
+      const std::complex<double> start =
+          twice * std::complex<double>(c.re.mid().hi, c.im.mid().hi) * power[i];
+      const double re = start.real(), im = start.imag();
+      for (std::size_t j = 0; j < block; ++j) x[j] += re * tables[i].re[j] - im * tables[i].im[j];
+      const double terms = std::min(static_cast<double>(count), 1 / powers.one_minus_modulus(i));
+      result.error += (rounding * std::abs(start) + twice * (c.re.rad() + c.im.rad())) * terms + 1e-290;
+    }
+    total += DoubleDouble(absolute_sum(x, count));
+  }
+  result.sum = static_cast<double>(total);
+  result.error = result.error * 1.001 + 0x1p-52 * result.sum;
+  return result;
+}
+
+// x_k = 2 Re(c z^k) has the sign (-1)^floor(k alpha + beta), alpha = arg z/pi, beta = arg(c z^from)/pi + 1/2,
+// k counted from `from`. The angles are truncated to 200 bits, and arg c is as uncertain as c: a sign can be
+// wrong only where the phase is within that uncertainty of a change of sign. There |x_k| <= 2 |c z^k|
+// sin(uncertainty), so that the sum is low by at most twice that over all k.
+RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end) {
+  const FineComplex one(1.0), z = mode.z, c{fine(mode.c[0].re), fine(mode.c[0].im)};
+  const FineComplex start = c * power(Word{z, {}}, static_cast<double>(from)).factor;
+  const Binary256 pi = pi256();
+  // The additional half cycle keeps beta positive; `sign` compensates it.
+  const Binary256 alpha = atan2(z.im.mid(), z.re.mid()) / pi;
+  const Binary256 beta = atan2(start.im.mid(), start.re.mid()) / pi + 1.5;
+  const Integer unit = ldexp(Integer(1), fraction_bits);
+  const Integer rise = fixed_point(alpha), offset = fixed_point(beta);
+  const Word up{-1.0, 0.0}, on{z, z};
+  const double sign = modulo(quotient(offset, unit), 2) == 0 ? -1 : 1;
+  const Word all =
+      line(rise, unit, modulo(offset, unit), Integer(static_cast<double>(end - from - 1)), up, on);
+  const FineBall sum = FineBall(2 * sign) * (start * (one + all.share)).re;
+  // The truncation grows to 2^-140 over 2^52 terms; arg(start) is off by less than twice its relative error.
+  const long double size = std::hypot(start.re.largest(), start.im.largest());
+  const long double uncertainty = 4 * std::max(start.re.rad(), start.im.rad()) + 0x1p-130L * size;
+  const double count = std::min(static_cast<double>(end - from), 1.01 / one_minus_modulus(mode.one_minus_z));
+  const DoubleDouble rounded = to_double_double(sum.mid());
+  const long double error = (sum - FineBall::exactly(rounded)).largest() + 4 * uncertainty * count;
+  return RealBall(rounded, static_cast<double>(error) * (1 + 0x1p-50));
+}
 
 TailSum operator+(TailSum x, const TailSum& y) {
   x.sum += y.sum;

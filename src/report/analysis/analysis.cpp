@@ -137,6 +137,40 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   return warnings;
 }
 
+/// Sum over the position's coordinates (over all, if no position is analysed) of the contributions of each
+/// encoder to the mean variance.
+/// @param parts  coordinates x encoders
+std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) {
+  const auto& coordinates = a.spec.model.coordinates;
+  const bool positions = std::ranges::any_of(coordinates, is_position);
+  std::vector<double> sums(parts.cols());
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    if (is_position(coordinates[i]) != positions) continue;
+    for (std::size_t e = 0; e < sums.size(); ++e) {
+      const double part = parts(i, e);
+      if (std::isfinite(part)) sums[e] += part;
+    }
+  }
+  return sums;
+}
+
+/// Every encoder's part of the variance, with the effects of its joint along a motion, which are not sources
+/// of the model: at the tip they have the column of the counts, in the ratio of their variance to Delta^2/12.
+std::vector<double> variance_parts(const Analysis& a) {
+  std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
+  if (!a.spec.model.along_motion) return parts;
+  const std::vector<double> quantization = by_encoder(a, a.workspace.mean_quantization_parts);
+  for (const EffectShare& s : a.effects) {
+    const EffectKind& kind = effect_kind(s.effect.type);
+    const bool source = kind.stage == Stage::line || kind.random() || kind.stage == Stage::kinematics ||
+                        (needs_effort({s.effect}) && !has_masses(a.spec.model.chain));
+    if (!s.included || !s.share || source) continue;
+    const double step = a.spec.model.transmission.encoders[s.joint].resolution;
+    parts[s.joint] += 12 * std::pow(s.share->sigma / step, 2) * quantization[s.joint];
+  }
+  return parts;
+}
+
 }  // namespace
 
 void add_effects(const EffectReport& effects, Spec& spec) {
@@ -267,44 +301,6 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads)
 std::string derivative_unit(std::string_view unit, const Filter& filter) {
   return unit_name(output_dimension(unit == "m" ? dimension::length : dimension::angle, filter));
 }
-
-namespace {
-
-/// Sum over the position's coordinates (over all, if no position is analysed) of the contributions of each
-/// encoder to the mean variance.
-/// @param parts  coordinates x encoders
-std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) {
-  const auto& coordinates = a.spec.model.coordinates;
-  const bool positions = std::ranges::any_of(coordinates, is_position);
-  std::vector<double> sums(parts.cols());
-  for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    if (is_position(coordinates[i]) != positions) continue;
-    for (std::size_t e = 0; e < sums.size(); ++e) {
-      const double part = parts(i, e);
-      if (std::isfinite(part)) sums[e] += part;
-    }
-  }
-  return sums;
-}
-
-/// Every encoder's part of the variance, with the effects of its joint along a motion, which are not sources
-/// of the model: at the tip they have the column of the counts, in the ratio of their variance to Delta^2/12.
-std::vector<double> variance_parts(const Analysis& a) {
-  std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
-  if (!a.spec.model.along_motion) return parts;
-  const std::vector<double> quantization = by_encoder(a, a.workspace.mean_quantization_parts);
-  for (const EffectShare& s : a.effects) {
-    const EffectKind& kind = effect_kind(s.effect.type);
-    const bool source = kind.stage == Stage::line || kind.random() || kind.stage == Stage::kinematics ||
-                        (needs_effort({s.effect}) && !has_masses(a.spec.model.chain));
-    if (!s.included || !s.share || source) continue;
-    const double step = a.spec.model.transmission.encoders[s.joint].resolution;
-    parts[s.joint] += 12 * std::pow(s.share->sigma / step, 2) * quantization[s.joint];
-  }
-  return parts;
-}
-
-}  // namespace
 
 std::vector<double> encoder_budget(const Analysis& a) {
   if (a.spec.model.coordinates.empty()) return {};

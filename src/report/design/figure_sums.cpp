@@ -100,6 +100,14 @@ Eigen::Vector3d longest_direction(const Eigen::Matrix3Xd& generators) {
   return best;
 }
 
+constexpr double never = 1e300;  ///< an unstable loop: beyond every limit, and times 0 it is 0
+
+ControlFigure figure_of(const Requirement& r, const Spec& spec) {
+  for (ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
+    if (f.name == r.quantity) return f;
+  throw std::logic_error("no figure " + r.quantity);
+}
+
 }  // namespace
 
 void find_owners(OptionWeights& weights, const Spec& spec) {
@@ -302,18 +310,6 @@ ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weigh
     for (WeightedSum& sum : worst_sums(r, weights, component(r, axis))) figure.sums.push_back(std::move(sum));
   return figure;
 }
-
-namespace {
-
-constexpr double never = 1e300;  ///< an unstable loop: beyond every limit, and times 0 it is 0
-
-ControlFigure figure_of(const Requirement& r, const Spec& spec) {
-  for (ControlFigure& f : control_figures(*spec.model.control, spec.model.chain))
-    if (f.name == r.quantity) return f;
-  throw std::logic_error("no figure " + r.quantity);
-}
-
-}  // namespace
 
 double ratio_limit(const Requirement& r, double limit) {
   if (std::isinf(limit)) return limit;

@@ -1,4 +1,8 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
@@ -32,6 +36,72 @@ std::string_view escaped_symbol(std::string_view symbol) {
     default:
       return symbol;
   }
+}
+
+std::string titled(const AxisRange& range, const std::string& unit) {
+  return unit.empty() ? range.label : range.label + " [" + unit + ']';
+}
+
+Axis linear(const AxisRange& range, double least, double largest, int most) {
+  const double magnitude = std::max(std::abs(least), std::abs(largest));
+  // Labels have six digits: a spread below 1e-4 would give ticks that read alike. It is drawn as one value in
+  // the middle.
+  if (!(largest - least > 1e-4 * magnitude)) {
+    const double half = magnitude == 0 ? 1 : 0.5 * magnitude;
+    least -= half;
+    largest += half;
+  }
+  const double step = round_step((largest - least) / most, 1e-9);
+  const double first = std::floor(least / step + 1e-9), last = std::ceil(largest / step - 1e-9);
+  const PrefixedUnit unit = range.unit.empty() || !range.prefix
+                                ? PrefixedUnit{1, range.unit}
+                                : prefixed(std::max(std::abs(first), std::abs(last)) * step, range.unit);
+  Axis a{titled(range, unit.unit), false, first * step, last * step, {}, unit.factor};
+  for (double k = first; k <= last + 0.5; ++k)
+    a.ticks.push_back({k * step, significant(k * step / unit.factor, 6)});
+  return a;
+}
+
+/// Powers of ten beyond four digits as such: `10⁻⁷`.
+std::string decade_label(double value) {
+  constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const double exponent = std::round(std::log10(value));
+  if (std::abs(exponent) < 4 || std::abs(value / std::pow(10, exponent) - 1) > 1e-9)
+    return significant(value, 6);
+  std::string out = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : fixed_point(std::abs(exponent), 0)) out += raised[digit - '0'];
+  return out;
+}
+
+Axis logarithmic(const AxisRange& range, double least, double largest, int most) {
+  const double first = std::floor(std::log10(least) + 1e-9);
+  const double last = std::max(std::ceil(std::log10(largest) - 1e-9), first + 1);
+  const double every = std::max(1.0, std::ceil((last - first) / most));
+  const PrefixedUnit unit = range.unit.empty() || !range.prefix
+                                ? PrefixedUnit{1, range.unit}
+                                : prefixed(std::pow(10, std::floor((first + last) / 2)), range.unit);
+  Axis a{titled(range, unit.unit), true, std::pow(10, first), std::pow(10, last), {}, unit.factor};
+  for (double decade = first; decade <= last; decade += every)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10, decade);
+      if ((digit > 1 && last - first > 2) || value > a.to * (1 + 1e-9)) continue;
+      a.ticks.push_back({value, decade_label(value / unit.factor)});
+    }
+  return a;
+}
+
+constexpr double tick_font = 10, title_font = 11, tick_gap = 4;
+
+std::string drawn_title(double x, double y, std::string_view style, const std::string& title, double room) {
+  const std::string shown = fitted(title, room, title_font);
+  if (shown == title) return drawn_text(x, y, style, title);
+  return "<g><title>" + escaped_markup(title) + "</title>" + drawn_text(x, y, style, shown) + "</g>";
+}
+
+/// Ends, scale and unit of an axis.
+std::string axis_attribute(const std::string& name, const Axis& a) {
+  return ' ' + name + "=\"" + shortest(a.from) + ' ' + shortest(a.to) + (a.logarithmic ? " 1 " : " 0 ") +
+         shortest(a.unit) + '"';
 }
 
 }  // namespace
@@ -91,62 +161,6 @@ std::string data_attribute(std::string_view name, double value) {
   return ' ' + std::string(name) + "=\"" + shortest(value) + '"';
 }
 
-namespace {
-
-std::string titled(const AxisRange& range, const std::string& unit) {
-  return unit.empty() ? range.label : range.label + " [" + unit + ']';
-}
-
-Axis linear(const AxisRange& range, double least, double largest, int most) {
-  const double magnitude = std::max(std::abs(least), std::abs(largest));
-  // Labels have six digits: a spread below 1e-4 would give ticks that read alike. It is drawn as one value in
-  // the middle.
-  if (!(largest - least > 1e-4 * magnitude)) {
-    const double half = magnitude == 0 ? 1 : 0.5 * magnitude;
-    least -= half;
-    largest += half;
-  }
-  const double step = round_step((largest - least) / most, 1e-9);
-  const double first = std::floor(least / step + 1e-9), last = std::ceil(largest / step - 1e-9);
-  const PrefixedUnit unit = range.unit.empty() || !range.prefix
-                                ? PrefixedUnit{1, range.unit}
-                                : prefixed(std::max(std::abs(first), std::abs(last)) * step, range.unit);
-  Axis a{titled(range, unit.unit), false, first * step, last * step, {}, unit.factor};
-  for (double k = first; k <= last + 0.5; ++k)
-    a.ticks.push_back({k * step, significant(k * step / unit.factor, 6)});
-  return a;
-}
-
-/// Powers of ten beyond four digits as such: `10⁻⁷`.
-std::string decade_label(double value) {
-  constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  const double exponent = std::round(std::log10(value));
-  if (std::abs(exponent) < 4 || std::abs(value / std::pow(10, exponent) - 1) > 1e-9)
-    return significant(value, 6);
-  std::string out = exponent < 0 ? "10⁻" : "10";
-  for (const char digit : fixed_point(std::abs(exponent), 0)) out += raised[digit - '0'];
-  return out;
-}
-
-Axis logarithmic(const AxisRange& range, double least, double largest, int most) {
-  const double first = std::floor(std::log10(least) + 1e-9);
-  const double last = std::max(std::ceil(std::log10(largest) - 1e-9), first + 1);
-  const double every = std::max(1.0, std::ceil((last - first) / most));
-  const PrefixedUnit unit = range.unit.empty() || !range.prefix
-                                ? PrefixedUnit{1, range.unit}
-                                : prefixed(std::pow(10, std::floor((first + last) / 2)), range.unit);
-  Axis a{titled(range, unit.unit), true, std::pow(10, first), std::pow(10, last), {}, unit.factor};
-  for (double decade = first; decade <= last; decade += every)
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      const double value = digit * std::pow(10, decade);
-      if ((digit > 1 && last - first > 2) || value > a.to * (1 + 1e-9)) continue;
-      a.ticks.push_back({value, decade_label(value / unit.factor)});
-    }
-  return a;
-}
-
-}  // namespace
-
 double Axis::part(double value) const {
   return logarithmic ? std::log(value / from) / std::log(to / from) : (value - from) / (to - from);
 }
@@ -154,24 +168,6 @@ double Axis::part(double value) const {
 Axis axis(const AxisRange& range, double least, double largest, int most) {
   return range.logarithmic ? logarithmic(range, least, largest, most) : linear(range, least, largest, most);
 }
-
-namespace {
-
-constexpr double tick_font = 10, title_font = 11, tick_gap = 4;
-
-std::string drawn_title(double x, double y, std::string_view style, const std::string& title, double room) {
-  const std::string shown = fitted(title, room, title_font);
-  if (shown == title) return drawn_text(x, y, style, title);
-  return "<g><title>" + escaped_markup(title) + "</title>" + drawn_text(x, y, style, shown) + "</g>";
-}
-
-/// Ends, scale and unit of an axis.
-std::string axis_attribute(const std::string& name, const Axis& a) {
-  return ' ' + name + "=\"" + shortest(a.from) + ' ' + shortest(a.to) + (a.logarithmic ? " 1 " : " 0 ") +
-         shortest(a.unit) + '"';
-}
-
-}  // namespace
 
 PictureFrame framed(Axis x, Axis y, double right) {
   double widest = 0;

@@ -6,7 +6,6 @@
 #include "report/page/page.hpp"
 
 namespace qerr::page {
-
 const std::array<Colour, 9> cividis{{{0, 34, 78},
                                      {26, 56, 111},
                                      {64, 77, 107},
@@ -64,40 +63,6 @@ std::string stored(std::string_view bytes) {
   } while (!bytes.empty());
   return out;
 }
-
-}  // namespace
-
-std::string png(std::size_t width, std::size_t height, const std::vector<std::uint8_t>& pixels,
-                const std::vector<Colour>& palette) {
-  std::string rows, colours;
-  for (std::size_t r = 0; r < height; ++r) {
-    rows += '\0';  // without a row filter: indices are no intensities
-    for (std::size_t c = 0; c < width; ++c) rows += static_cast<char>(pixels[r * width + c]);
-  }
-  for (const Colour& colour : palette)
-    for (const std::uint8_t part : colour) colours += static_cast<char>(part);
-  const std::string header = big_endian(static_cast<std::uint32_t>(width)) +
-                             big_endian(static_cast<std::uint32_t>(height)) +
-                             std::string{8, 3, 0, 0, 0};  // bits, palette, deflate, filters, not interlaced
-  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("PLTE", colours) +
-         chunk("tRNS", std::string(1, '\0')) +
-         chunk("IDAT", "\x78\x01" + stored(rows) + big_endian(adler(rows))) + chunk("IEND", "");
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
-    std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      group = group << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0u);
-    for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[group >> (18 - 6 * i) & 63] : '=';
-  }
-  return out;
-}
-
-namespace {
 
 constexpr double bar_left = 328, bar_right = 342, top_edge = top_margin,
                  bottom_edge = picture_height - bottom_margin;
@@ -168,6 +133,36 @@ std::string span_attribute(const HeatMap& m) {
 }
 
 }  // namespace
+
+std::string png(std::size_t width, std::size_t height, const std::vector<std::uint8_t>& pixels,
+                const std::vector<Colour>& palette) {
+  std::string rows, colours;
+  for (std::size_t r = 0; r < height; ++r) {
+    rows += '\0';  // without a row filter: indices are no intensities
+    for (std::size_t c = 0; c < width; ++c) rows += static_cast<char>(pixels[r * width + c]);
+  }
+  for (const Colour& colour : palette)
+    for (const std::uint8_t part : colour) colours += static_cast<char>(part);
+  const std::string header = big_endian(static_cast<std::uint32_t>(width)) +
+                             big_endian(static_cast<std::uint32_t>(height)) +
+                             std::string{8, 3, 0, 0, 0};  // bits, palette, deflate, filters, not interlaced
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("PLTE", colours) +
+         chunk("tRNS", std::string(1, '\0')) +
+         chunk("IDAT", "\x78\x01" + stored(rows) + big_endian(adler(rows))) + chunk("IEND", "");
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
+    std::uint32_t group = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      group = group << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0u);
+    for (std::size_t i = 0; i < 4; ++i) out += i <= count ? digits[group >> (18 - 6 * i) & 63] : '=';
+  }
+  return out;
+}
 
 std::string figure(const HeatMap& m) {
   double low = INFINITY, high = -INFINITY;

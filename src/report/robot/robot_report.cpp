@@ -17,7 +17,6 @@
 #include "report/text_table.hpp"
 
 namespace qerr {
-
 RobotReport robot_report(RobotModel robot, const std::string& text, const std::string& base,
                          const std::string& tip) {
   RobotReport report;
@@ -93,116 +92,6 @@ std::vector<double> quaternion(const PoseAtJoints& at) {
 struct FirstSpec {
   std::string base, tip;
 };
-
-}  // namespace
-
-RowsOf<Limits> rows(Of<Limits>) {
-  return {{"lower", &Limits::lower, nullable}, {"upper", &Limits::upper, nullable}};
-}
-
-RowsOf<Mimic> rows(Of<Mimic>) {
-  return {{"joint", &Mimic::joint}, {"multiplier", &Mimic::multiplier}, {"offset", &Mimic::offset}};
-}
-
-RowsOf<Joint> rows(Of<Joint>) {
-  return {{"name", &Joint::name},
-          {"type", [](auto& j) { return joint_type_name(j.type); }},
-          {"parent", &Joint::parent},
-          {"child", &Joint::child},
-          {"unit",
-           [](auto& j) {
-             return j.type == JointType::fixed ? "" : j.type == JointType::prismatic ? "m" : "rad";
-           },
-           one_of({"m", "rad"}), "of a moving joint, as the members below", optional},
-          {"axis", moving(&Joint::axis), "in the frame of the joint", optional},
-          {"limits", moving(&Joint::limits), "null: none", optional},
-          {"effort", moving(&Joint::effort_limit), optional},
-          {"velocity", moving(&Joint::velocity_limit), optional},
-          {"ratio", moving(&Joint::stated_ratio), "that the URDF states", optional},
-          {"mimic", moving(&Joint::mimic), optional}};
-}
-
-RowsOf<StatedCoupling> rows(Of<StatedCoupling>) {
-  return {{"transmission", &StatedCoupling::transmission},
-          {"type", &StatedCoupling::type},
-          {"joints", &StatedCoupling::joints},
-          {"ratios", &StatedCoupling::ratios, "of the two motors"},
-          {"coupling", [](auto& c) { return nested(c.coupling); }, "joints = coupling * (motors / ratios)"}};
-}
-
-RowsOf<ReportedEnd> rows(Of<ReportedEnd>) {
-  return {{"tip", &TreeEnd::tip},
-          {"base", &TreeEnd::base},
-          {"moving_joints", [](auto& end) { return end->joints.size(); }},
-          {"kind", [](auto& end) { return end_kind_name(end->kind); }},
-          {"joints", [](auto& end) {
-             return each(end->joints, [&](std::size_t i) { return end.whole.robot.joints[i].name; });
-           }}};
-}
-
-RowsOf<Flaw> rows(Of<Flaw>) {
-  return {{"severity", [](auto& f) { return f.spoils ? "error" : "warning"; }, one_of({"error", "warning"})},
-          {"message", [](auto& f) { return format({f.fault}); }}};
-}
-
-RowsOf<PoseAtJoints> rows(Of<PoseAtJoints>) {
-  return {{"base", &PoseAtJoints::base},
-          {"tip", &PoseAtJoints::tip},
-          {"joints",
-           [](auto& at) {
-             std::map<std::string, double> values;
-             for (const auto& [joint, value] : at.joints) values[joint.name] = value;
-             return values;
-           },
-           "rad or m"},
-          {"position", position, "of the tip in the frame of the base [m]"},
-          {"quaternion", quaternion, "x, y, z, w"},
-          {"rpy",
-           [](auto& at) {
-             const Eigen::Vector3d angles = roll_pitch_yaw(at.pose.linear());
-             return std::vector<double>(angles.begin(), angles.end());
-           },
-           "R_z(yaw) R_y(pitch) R_x(roll) [rad]"},
-          {"matrix", [](auto& at) { return nested(at.pose.matrix()); }, "homogeneous, base from tip"}};
-}
-
-RowsOf<FirstSpec> rows(Of<FirstSpec>) { return {{"base", &FirstSpec::base}, {"tip", &FirstSpec::tip}}; }
-
-RowsOf<RobotReport> rows(Of<RobotReport>) {
-  return header<RobotReport>("robot").with(
-      {{"urdf", {{"file", [](auto& r) { return r.robot.file; }}, {"sha256", &RobotReport::sha256}}},
-       {"robot", {{"name", [](auto& r) { return r.robot.name; }}, {"roots", &RobotReport::roots}}},
-       {"first_spec",
-        [](auto& r) {
-          return only_if(!r.tip.empty(), FirstSpec{r.base, r.tip});
-        },
-        "the chain of --write-spec"},
-       {"links", [](auto& r) { return r.robot.links; }},
-       {"joints", [](auto& r) { return r.robot.joints; }},
-       {"couplings", [](auto& r) { return r.robot.couplings; }, "of two motors and two joints"},
-       {"ends", within(&RobotReport::ends), "of the tree, the likeliest tip first"},
-       {"flaws", [](auto& r) { return r.robot.flaws; }},
-       {"pose", &RobotReport::pose, "of --at", optional}});
-}
-
-std::string to_csv(const RobotReport& report, const Style&) {
-  std::string out =
-      "joint,type,parent,child,axis_x,axis_y,axis_z,unit,lower,upper,effort,velocity,ratio,mimic,multiplier,"
-      "offset\r\n";
-  for (const Joint& joint : report.robot.joints) {
-    if (joint.type == JointType::fixed) continue;
-    const Json json = json_of(joint);
-    out += csv_cells(json, {"name", "type", "parent", "child"});
-    for (const double component : joint.axis) out += ',' + shortest(component);
-    out += ',' +
-           csv_cells(json, {"unit", "limits.lower", "limits.upper", "effort", "velocity", "ratio",
-                            "mimic.joint", "mimic.multiplier", "mimic.offset"}) +
-           "\r\n";
-  }
-  return out;
-}
-
-namespace {
 
 constexpr std::size_t most_ends = 20;
 constexpr std::size_t most_flaws = 12;
@@ -504,6 +393,112 @@ std::string tree_text(const RobotReport& report, std::size_t width) {
 }
 
 }  // namespace
+
+RowsOf<Limits> rows(Of<Limits>) {
+  return {{"lower", &Limits::lower, nullable}, {"upper", &Limits::upper, nullable}};
+}
+
+RowsOf<Mimic> rows(Of<Mimic>) {
+  return {{"joint", &Mimic::joint}, {"multiplier", &Mimic::multiplier}, {"offset", &Mimic::offset}};
+}
+
+RowsOf<Joint> rows(Of<Joint>) {
+  return {{"name", &Joint::name},
+          {"type", [](auto& j) { return joint_type_name(j.type); }},
+          {"parent", &Joint::parent},
+          {"child", &Joint::child},
+          {"unit",
+           [](auto& j) {
+             return j.type == JointType::fixed ? "" : j.type == JointType::prismatic ? "m" : "rad";
+           },
+           one_of({"m", "rad"}), "of a moving joint, as the members below", optional},
+          {"axis", moving(&Joint::axis), "in the frame of the joint", optional},
+          {"limits", moving(&Joint::limits), "null: none", optional},
+          {"effort", moving(&Joint::effort_limit), optional},
+          {"velocity", moving(&Joint::velocity_limit), optional},
+          {"ratio", moving(&Joint::stated_ratio), "that the URDF states", optional},
+          {"mimic", moving(&Joint::mimic), optional}};
+}
+
+RowsOf<StatedCoupling> rows(Of<StatedCoupling>) {
+  return {{"transmission", &StatedCoupling::transmission},
+          {"type", &StatedCoupling::type},
+          {"joints", &StatedCoupling::joints},
+          {"ratios", &StatedCoupling::ratios, "of the two motors"},
+          {"coupling", [](auto& c) { return nested(c.coupling); }, "joints = coupling * (motors / ratios)"}};
+}
+
+RowsOf<ReportedEnd> rows(Of<ReportedEnd>) {
+  return {{"tip", &TreeEnd::tip},
+          {"base", &TreeEnd::base},
+          {"moving_joints", [](auto& end) { return end->joints.size(); }},
+          {"kind", [](auto& end) { return end_kind_name(end->kind); }},
+          {"joints", [](auto& end) {
+             return each(end->joints, [&](std::size_t i) { return end.whole.robot.joints[i].name; });
+           }}};
+}
+
+RowsOf<Flaw> rows(Of<Flaw>) {
+  return {{"severity", [](auto& f) { return f.spoils ? "error" : "warning"; }, one_of({"error", "warning"})},
+          {"message", [](auto& f) { return format({f.fault}); }}};
+}
+
+RowsOf<PoseAtJoints> rows(Of<PoseAtJoints>) {
+  return {{"base", &PoseAtJoints::base},
+          {"tip", &PoseAtJoints::tip},
+          {"joints",
+           [](auto& at) {
+             std::map<std::string, double> values;
+             for (const auto& [joint, value] : at.joints) values[joint.name] = value;
+             return values;
+           },
+           "rad or m"},
+          {"position", position, "of the tip in the frame of the base [m]"},
+          {"quaternion", quaternion, "x, y, z, w"},
+          {"rpy",
+           [](auto& at) {
+             const Eigen::Vector3d angles = roll_pitch_yaw(at.pose.linear());
+             return std::vector<double>(angles.begin(), angles.end());
+           },
+           "R_z(yaw) R_y(pitch) R_x(roll) [rad]"},
+          {"matrix", [](auto& at) { return nested(at.pose.matrix()); }, "homogeneous, base from tip"}};
+}
+
+RowsOf<FirstSpec> rows(Of<FirstSpec>) { return {{"base", &FirstSpec::base}, {"tip", &FirstSpec::tip}}; }
+
+RowsOf<RobotReport> rows(Of<RobotReport>) {
+  return header<RobotReport>("robot").with(
+      {{"urdf", {{"file", [](auto& r) { return r.robot.file; }}, {"sha256", &RobotReport::sha256}}},
+       {"robot", {{"name", [](auto& r) { return r.robot.name; }}, {"roots", &RobotReport::roots}}},
+       {"first_spec",
+        [](auto& r) {
+          return only_if(!r.tip.empty(), FirstSpec{r.base, r.tip});
+        },
+        "the chain of --write-spec"},
+       {"links", [](auto& r) { return r.robot.links; }},
+       {"joints", [](auto& r) { return r.robot.joints; }},
+       {"couplings", [](auto& r) { return r.robot.couplings; }, "of two motors and two joints"},
+       {"ends", within(&RobotReport::ends), "of the tree, the likeliest tip first"},
+       {"flaws", [](auto& r) { return r.robot.flaws; }},
+       {"pose", &RobotReport::pose, "of --at", optional}});
+}
+
+std::string to_csv(const RobotReport& report, const Style&) {
+  std::string out =
+      "joint,type,parent,child,axis_x,axis_y,axis_z,unit,lower,upper,effort,velocity,ratio,mimic,multiplier,"
+      "offset\r\n";
+  for (const Joint& joint : report.robot.joints) {
+    if (joint.type == JointType::fixed) continue;
+    const Json json = json_of(joint);
+    out += csv_cells(json, {"name", "type", "parent", "child"});
+    for (const double component : joint.axis) out += ',' + shortest(component);
+    out += ',' +
+           csv_cells(json, {"unit", "limits.lower", "limits.upper", "effort", "velocity", "ratio",
+                            "mimic.joint", "mimic.multiplier", "mimic.offset"}) +
+           "\r\n";
+  }
+  return out;
+}
 
 std::string to_table(const RobotReport& report, const Style& style) {
   if (report.pose) return pose_text(*report.pose, style).substr(1);

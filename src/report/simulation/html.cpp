@@ -25,38 +25,6 @@ std::size_t section_length(std::size_t values) {
   return std::min(longest, std::bit_floor(values / 4));
 }
 
-}  // namespace
-
-std::vector<std::pair<double, double>> amplitude_density(const std::vector<double>& values, double rate) {
-  if (values.size() < 32) return {};
-  const std::size_t length = section_length(values.size());
-  double mean = 0;
-  for (const double v : values) mean += v / static_cast<double>(values.size());
-  std::vector<double> window(length), power(length / 2 + 1, 0.0), section(length);
-  double window_square = 0;
-  for (std::size_t k = 0; k < length; ++k) {
-    window[k] =
-        0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length));
-    window_square += window[k] * window[k];
-  }
-  double sections = 0;
-  for (std::size_t from = 0; from + length <= values.size(); from += length / 2, ++sections) {
-    for (std::size_t k = 0; k < length; ++k) section[k] = window[k] * (values[from + k] - mean);
-    const auto spectrum = half_spectrum(section);
-    for (std::size_t n = 0; n < power.size(); ++n) power[n] += std::norm(spectrum[n]);
-  }
-  std::vector<std::pair<double, double>> density;
-  for (std::size_t n = 1; n < power.size(); ++n) {
-    // Of a real signal, each frequency but the last one stands twice in the transform.
-    const double sides = n + 1 == power.size() ? 1 : 2;
-    density.emplace_back(static_cast<double>(n) * rate / static_cast<double>(length),
-                         std::sqrt(sides * power[n] / (sections * rate * window_square)));
-  }
-  return density;
-}
-
-namespace {
-
 /// A limit of the magnitude: two lines, at either sign.
 page::Series both_signs(const std::string& name, double limit, double from, double to) {
   if (!std::isfinite(limit)) return {name, {}};
@@ -357,6 +325,34 @@ std::vector<std::string> simulated_effects(const Spec& spec) {
 }
 
 }  // namespace
+
+std::vector<std::pair<double, double>> amplitude_density(const std::vector<double>& values, double rate) {
+  if (values.size() < 32) return {};
+  const std::size_t length = section_length(values.size());
+  double mean = 0;
+  for (const double v : values) mean += v / static_cast<double>(values.size());
+  std::vector<double> window(length), power(length / 2 + 1, 0.0), section(length);
+  double window_square = 0;
+  for (std::size_t k = 0; k < length; ++k) {
+    window[k] =
+        0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length));
+    window_square += window[k] * window[k];
+  }
+  double sections = 0;
+  for (std::size_t from = 0; from + length <= values.size(); from += length / 2, ++sections) {
+    for (std::size_t k = 0; k < length; ++k) section[k] = window[k] * (values[from + k] - mean);
+    const auto spectrum = half_spectrum(section);
+    for (std::size_t n = 0; n < power.size(); ++n) power[n] += std::norm(spectrum[n]);
+  }
+  std::vector<std::pair<double, double>> density;
+  for (std::size_t n = 1; n < power.size(); ++n) {
+    // Of a real signal, each frequency but the last one stands twice in the transform.
+    const double sides = n + 1 == power.size() ? 1 : 2;
+    density.emplace_back(static_cast<double>(n) * rate / static_cast<double>(length),
+                         std::sqrt(sides * power[n] / (sections * rate * window_square)));
+  }
+  return density;
+}
 
 page::Page page_of(const SimulationReport& r) {
   page::Page page{"Simulation of " + r.spec.robot_name,

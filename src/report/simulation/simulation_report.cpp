@@ -22,7 +22,6 @@
 #include "simulate/unrounded_record.hpp"
 
 namespace qerr {
-
 std::vector<NamedSignal> signals_of(const SimulationReport& r) {
   std::vector<NamedSignal> all;
   for (std::size_t o = 0; o < r.simulation.results.size(); ++o) {
@@ -78,6 +77,14 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
   return warnings;
 }
 
+template <class Number>
+void append_number(std::string& text, Number value) {
+  std::array<char, 32> buffer;
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? Number(0) : value);
+  text.append(buffer.data(), end.ptr);
+}
+
 }  // namespace
 
 SimulationReport simulation_report(const Spec& all, const SimulationOptions& options) {
@@ -113,18 +120,6 @@ SimulationReport simulation_report(const Spec& all, const SimulationOptions& opt
   append(report.warnings, warnings_of(report, options.exact));
   return report;
 }
-
-namespace {
-
-template <class Number>
-void append_number(std::string& text, Number value) {
-  std::array<char, 32> buffer;
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? Number(0) : value);
-  text.append(buffer.data(), end.ptr);
-}
-
-}  // namespace
 
 LogWriter::LogWriter(const Spec& spec)
     : spec_(spec),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <mutex>
 
 #include "core/parallel.hpp"
 #include "input/read_sections.hpp"

@@ -52,6 +52,26 @@ Moved farthest_joint(const OperationalModel& model, Eigen::Index encoder, double
   return best;
 }
 
+/// The rows whose coupling is a factor of the resolution.
+std::string couplings(const ThresholdReport& report, std::size_t width) {
+  std::string out;
+  for (const ThresholdRow& r : report.rows)
+    if (r.coupling != 1)
+      out += wrapped(escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
+                         ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder",
+                     width, "  ");
+  return out;
+}
+
+/// Whose sample rates the velocities are of.
+std::string filters(const ThresholdReport& report, std::size_t width) {
+  std::vector<std::string> names;
+  for (const ThresholdRow& r : report.rows)
+    if (const std::string name = quoted(r.filter); !contains(names, name)) names.push_back(name);
+  return wrapped("rate: of filter " + joined(names) + ", the first of its spec that takes a derivative",
+                 width, "  ");
+}
+
 }  // namespace
 
 ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
@@ -107,30 +127,6 @@ RowsOf<ThresholdRow> rows(Of<ThresholdRow>) {
 RowsOf<ThresholdReport> rows(Of<ThresholdReport>) {
   return header<ThresholdReport>("threshold").with({{"robots", &ThresholdReport::rows}});
 }
-
-namespace {
-
-/// The rows whose coupling is a factor of the resolution.
-std::string couplings(const ThresholdReport& report, std::size_t width) {
-  std::string out;
-  for (const ThresholdRow& r : report.rows)
-    if (r.coupling != 1)
-      out += wrapped(escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
-                         ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder",
-                     width, "  ");
-  return out;
-}
-
-/// Whose sample rates the velocities are of.
-std::string filters(const ThresholdReport& report, std::size_t width) {
-  std::vector<std::string> names;
-  for (const ThresholdRow& r : report.rows)
-    if (const std::string name = quoted(r.filter); !contains(names, name)) names.push_back(name);
-  return wrapped("rate: of filter " + joined(names) + ", the first of its spec that takes a derivative",
-                 width, "  ");
-}
-
-}  // namespace
 
 std::string to_table(const ThresholdReport& report, const Style& style) {
   TableRows cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution", "threshold",
