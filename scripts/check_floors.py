@@ -62,7 +62,7 @@ HOMONYMS = {
     ("src/effect/effect.cpp", "noise"): "the shape of a residual",
     ("src/input/read_design.cpp", "resolution"): "minimize: resolution",
     ("src/encoder/kinds/lines_per_rev.cpp", "decoding"): "parameter of an encoder: x1, x2 or x4",
-    ("src/input/read_sweep.cpp", "scale"): "spacing of a sweep: linear or log",
+    ("src/input/spec_variants.cpp", "scale"): "spacing of a sweep: linear or log",
     ("src/input/spec_format.cpp", "scale"): "spacing of a sweep: linear or log",
     ("src/input/read_urdf.cpp", "offset"): "attribute of <mimic>",
     ("src/input/urdf_tree.cpp", "offset"): "attribute of <mimic>",
@@ -365,8 +365,8 @@ def self_test_of_texts():
     effects = [(path("src/effect/effects/noise.cpp"), '.name = "noise"'), (path("src/effect/effects/scale.cpp"), '"scale"'),
                (path("src/effect/effects/periodic.cpp"), "// a helper, not a row")]
     named = [("src/report/a.cpp", 'e.type == "noise"', 1), ("src/report/a.cpp", 'pair("noise", "scale")', 2),
-             ("include/qerr/bound/a.hpp", 'x = "scale"', 1), ("src/input/read_sweep.cpp", 'o.choice("scale")', 0),
-             ("src/input/read_sweep.cpp", 'o.choice("noise")', 1), ("src/effect/effects/drift.cpp", '"noise"', 0),
+             ("include/qerr/bound/a.hpp", 'x = "scale"', 1), ("src/input/spec_variants.cpp", 'o.choice("scale")', 0),
+             ("src/input/spec_variants.cpp", 'o.choice("noise")', 1), ("src/effect/effects/drift.cpp", '"noise"', 0),
              ("src/report/a.cpp", '"white noise"; "periodic"', 0), ("src/report/a.cpp", '#include "noise"', 0)]
     return wrong + [f"{file}: {line!r}: expected {expected} faults" for file, line, expected in named
                     if len(check_families(effects + [(path(file), line)])) != expected]
