@@ -179,7 +179,11 @@ class CauseSearch {
   bool raise_worth() {
     double worth = material * record_.step(), of_shapes = worth;
     const bool incomplete = !model_->is_complete(choice_.chosen);
-    for (std::size_t i = 0; i < choice_.chosen.size(); ++i) {
+    // Names that leave white rounding are no idealizations here.
+    const bool exact = !incomplete && !choice_.structured &&
+                       std::all_of(choice_.chosen.begin(), choice_.chosen.end(),
+                                   [&](std::size_t g) { return model_->term(g).named(); });
+    for (std::size_t i = 0; !exact && i < choice_.chosen.size(); ++i) {
       const Term& t = term(i);
       const bool table = model_->is_table(choice_.chosen[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
