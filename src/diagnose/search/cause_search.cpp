@@ -179,8 +179,10 @@ class CauseSearch {
   bool raise_worth() {
     double worth = material * record_.step(), of_shapes = worth;
     const bool incomplete = !model_->is_complete(choice_.chosen);
-    // Names that leave white rounding are no idealizations here.
-    const bool exact = !incomplete && !choice_.structured &&
+    // Names that leave white noise, or no more than rounding, are no idealizations here.
+    constexpr double no_more = 1.2;  // times the least variance, which is 0.9 of that expected
+    const bool white = !choice_.structured || choice_.fit.rss < no_more * model_->floor() * model_->rows();
+    const bool exact = !incomplete && white &&
                        std::all_of(choice_.chosen.begin(), choice_.chosen.end(),
                                    [&](std::size_t g) { return model_->term(g).named(); });
     for (std::size_t i = 0; !exact && i < choice_.chosen.size(); ++i) {

@@ -62,12 +62,13 @@ double least_jump(const Eigen::ArrayXd& counts) {
   return 0.75 * std::max(least_modulus, peak_to_peak(counts) - slack);
 }
 
-/// Whether noise of the reference could reach the size of the smallest jump that is looked for: six standard
-/// deviations, by the median absolute deviation (1.48 of it is the standard deviation of a Gaussian).
+/// Whether noise of the reference could reach the size of the smallest jump that is looked for, or of that of
+/// the smallest word: six standard deviations, by the median absolute deviation (1.48 of it is the standard
+/// deviation of a Gaussian).
 bool is_hidden_by_noise(const Eigen::ArrayXd& jumps, double least_jump) {
   std::vector<double> sizes(static_cast<std::size_t>(jumps.size()));
   for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(jumps[static_cast<Eigen::Index>(k)]);
-  return 6 * 1.48 * median(std::move(sizes)) > least_jump;
+  return 6 * 1.48 * median(std::move(sizes)) > std::min(least_jump, 0.75 * least_word);
 }
 
 /// Whether the counts themselves change anywhere by half of such a jump, without which there is none: what is
