@@ -69,6 +69,19 @@ TEST(Sanity, ReadsCountsWithTheSpecifiedDecoding) {
   }
 }
 
+TEST(Diagnosis, TakesStatedLossesInTheCountsOfTheSpec) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Machine m(seed);
+    const double time = m.time[m.rows / 2] - 1e-6, factor = seed % 2 == 0 ? 0.5 : 0.25;
+    const Column counts = m.counted(m.path) + 16 * (m.time > time).cast<double>();
+    Effect missed = effect_of("missed_counts", "counts", 16);
+    missed.numbers["time"] = time;
+    const Diagnosis d = diagnose(model_of(m), {}, {missed, effect_of("decoding", "factor", factor)},
+                                 log_of(m, (factor * counts + 0.5).floor()));
+    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << "seed " << seed << ": " << causes(d);
+  }
+}
+
 TEST(Sanity, ReportsADecodingOtherThanTheSpecs) {
   Machine m(3);
   const Log log = log_of(m, m.counted(m.path));  // the driver has been mended since

@@ -42,6 +42,48 @@ TEST(TwoCauses, IntervalsBesideAScaleHoldTheDelay) {
   }
 }
 
+/// A shape that leaves white rounding hides no offset of half a count, however large it is.
+TEST(TwoCauses, HalfACountIsNamedBesideAnExactSine) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Machine m = swinging(seed);
+    const double amplitude = 300 * m.resolution;
+    const Column read = m.path + amplitude * (m.path + 1).sin() - 0.5 * m.resolution;
+    const auto found = found_by(diagnose(model_of(m), {}, {}, log_of(m, m.counted(read))));
+    ASSERT_TRUE(found.contains("eccentricity amplitude")) << seed;
+    EXPECT_NEAR(found.at("eccentricity amplitude").value, amplitude, 0.05 * m.resolution) << seed;
+  }
+}
+
+/// White noise of the encoder leaves no structure, which an order that is right has to leave none of.
+TEST(TwoCauses, AnOrderOfOneTurnIsNamedBesideNoise) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Machine m = swinging(seed);
+    OperationalModel model = model_of(m);
+    model.transmission.encoders[0].shaft_ratio = 6.3 / (m.path.maxCoeff() - m.path.minCoeff());
+    const double ratio = model.transmission.encoders[0].shaft_ratio;
+    Column read = m.path + 3 * m.resolution * (ratio * m.path + 1).sin();
+    for (double& x : read) x += 7 * m.resolution * m.normal();
+    const auto found = found_by(diagnose(model, {}, {}, log_of(m, m.counted(read))));
+    EXPECT_TRUE(found.contains("eccentricity amplitude") && found.contains("noise sigma")) << seed;
+  }
+}
+
+/// Of signals that are clipped, and have no other fault, the level is a parameter that nothing scales.
+TEST(TwoCauses, ClippingAloneIsNamed) {
+  Machine m = swinging(1);
+  OperationalModel model = model_of(m);
+  model.transmission.encoders[0].counts_per_period = 4096;
+  const double unit = 4096 * m.resolution / (2 * std::numbers::pi);
+  const Column angle = m.path / unit, sine = angle.sin().max(-0.8).min(0.8),
+               cosine = angle.cos().max(-0.8).min(0.8);
+  Column read = m.path;
+  for (Eigen::Index k = 0; k < m.rows; ++k)
+    read[k] += unit * std::remainder(std::atan2(sine[k], cosine[k]) - angle[k], 2 * std::numbers::pi);
+  const auto found = found_by(diagnose(model, {}, {}, log_of(m, m.counted(read))));
+  ASSERT_TRUE(found.contains("subdivision_error clipping"));
+  EXPECT_NEAR(found.at("subdivision_error clipping").value, 0.8, 0.01);
+}
+
 /// A time constant is where the readings have it, to its interval.
 TEST(TwoCauses, IntervalsOfADriftHoldItsTimeConstant) {
   int inside = 0;

@@ -142,6 +142,9 @@ def main():
             read = max([1] + [abs(e["factor"]) for e in effects if e["type"] == "decoding"])
             difference = errors(folder / "log.csv", step) - errors(folder / "again.csv", step)
             difference /= read
+            for e in effects:  # noise moves the row of an overflow
+                if e["type"] == "rollover":
+                    difference -= e["modulus"] * np.round(difference / e["modulus"])
             miss = math.sqrt(np.mean(difference**2))
             left = report["gain"]["rms_after"] / step
             random = any(e["type"] in ("noise", "timing_jitter") for e in effects)

@@ -189,23 +189,30 @@ std::size_t least_name(const FoundCauses& found) {
 }
 
 /// A term whose size the fit has made impossible, such as a negative play, an order of which it has left less
-/// than half of what is worth a term, or a shape of which it has left less than a tenth.
+/// than half of what is worth a term, or any other of which it has left less than a tenth.
 std::optional<std::size_t> impossible_term(const Explanation& m, double step) {
   constexpr double half = 0.5 * material, tenth = 0.1 * material;  // counts
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
     const Term& t = m.terms()[i];
-    const double least = !t.named() ? tenth : t.harmonic ? half : 0;
-    if ((t.positive > 0 && m.coefficients(i)[0] < 0) || size_of(m, i) < least * step) return i;
+    const Eigen::VectorXd c = m.coefficients(i);
+    const double least = t.named() && t.harmonic ? half : tenth,
+                 size = t.named() && !t.harmonic ? rms(addition(t, c)) : size_of(m, i);
+    if ((t.positive > 0 && c[0] < 0) || size < least * step) return i;
   }
   return std::nullopt;
 }
 
-/// Whether zero is in the intervals of all parameters that a term's coefficients scale: unlike phases and
-/// time constants, those are what the term adds.
-bool holds_zero(const Term& t, const Eigen::VectorXd& coefficients,
-                const std::vector<FoundParameter>& found) {
+/// Whether the intervals of a term's parameters hold what adds nothing: zero, of those that its coefficients
+/// scale, unlike phases and time constants; of signals that are not clipped, level 1.
+bool holds_nothing(const Term& t, const Eigen::VectorXd& coefficients,
+                   const std::vector<FoundParameter>& found) {
   Effect twice = t.effect;
   t.fill(twice, 2 * coefficients);
+  for (const Parameter& of : effect_kind(t.effect.type).parameters)
+    for (const FoundParameter& p : found)
+      if (p.name == of.name && of.fallback.value_or(0) != 0 && p.upper > p.lower &&
+          (p.lower > *of.fallback || p.upper < *of.fallback))
+        return false;
   bool any = false;
   for (const FoundParameter& p : found) {
     if (!(std::abs(p.value) > 0) || std::abs(twice.number(p.name) - 2 * p.value) > 1e-6 * std::abs(p.value))
@@ -224,7 +231,7 @@ std::optional<std::size_t> unestablished_term(const Evidence& e, const Explanati
   std::optional<std::size_t> least;
   for (std::size_t i = 0; i < m.terms().size(); ++i)
     if (m.terms()[i].named() && shape_name(m.terms()[i]).empty() &&
-        holds_zero(m.terms()[i], m.coefficients(i), parameters[i]) &&
+        holds_nothing(m.terms()[i], m.coefficients(i), parameters[i]) &&
         (!least || size_of(m, i) < size_of(m, *least)))
       least = i;
   return least;

@@ -179,7 +179,13 @@ class CauseSearch {
   bool raise_worth() {
     double worth = material * record_.step(), of_shapes = worth;
     const bool incomplete = !model_->is_complete(choice_.chosen);
-    for (std::size_t i = 0; i < choice_.chosen.size(); ++i) {
+    // Names that leave white noise, or no more than rounding, are no idealizations here.
+    constexpr double no_more = 1.2;  // times the least variance, which is 0.9 of that expected
+    const bool white = !choice_.structured || choice_.fit.rss < no_more * model_->floor() * model_->rows();
+    const bool exact = !incomplete && white &&
+                       std::all_of(choice_.chosen.begin(), choice_.chosen.end(),
+                                   [&](std::size_t g) { return model_->term(g).named(); });
+    for (std::size_t i = 0; !exact && i < choice_.chosen.size(); ++i) {
       const Term& t = term(i);
       const bool table = model_->is_table(choice_.chosen[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;

@@ -26,9 +26,11 @@ bool same_term(const Term& a, const Term& b) {
 }
 
 /// A term that these rows do not offer: of other rows than its own it has nothing, but where another shape
-/// computes it anew.
+/// computes it anew, or parameters do.
 Term not_offered(const Term& t, const Sampling& s) {
   const Eigen::Index rows = s.evidence.rows();
+  if (t.relinearized && t.columns.rows() != rows)
+    return t.relinearized(s.evidence, t, Eigen::VectorXd::Zero(t.size()));
   return t.reshaped || t.columns.rows() == rows ? t : with_columns(t, Eigen::ArrayXXd::Zero(rows, t.size()));
 }
 

@@ -225,10 +225,10 @@ bool is_among_neighbours(const ErrorModel& m, const Choice& c, std::size_t i) {
       ++count;
     }
   const double ratio = m.gain(t, residual) / std::max(sum / count, 1e-300);
-  // Where a joint stays at few places its neighbours have much of any order; one that leaves nothing is
-  // right.
+  // Where a joint stays at few places its neighbours have much of any order; one that leaves nothing but
+  // white noise is right.
   constexpr double beyond_neighbours = 2;
-  if (m.is_complete(c.chosen)) return ratio < beyond_neighbours;
+  if (!c.structured || m.is_complete(c.chosen)) return ratio < beyond_neighbours;
   return fisher_f_tail(ratio, 2, 2.0 * count) > refuted;
 }
 

@@ -55,14 +55,23 @@ void fill_of_link(Effect& e, const Eigen::VectorXd& c) {
   e.numbers["load_angle"] = std::atan2(c[2], c[1]);
 }
 
+/// What the link's inertia winds up, and its weight.
+Eigen::ArrayXXd link_columns(const RecordSignals& s, Eigen::Index count) {
+  const Eigen::ArrayXd& angle = s.joint_angle();
+  Eigen::ArrayXXd link(s.rows(), 3);
+  link << s.acceleration, angle.cos(), angle.sin();
+  return link.leftCols(count);
+}
+
 /// The term with the inertia that the effort says: this is the load and friction, so that its slope on the
 /// wind-up is 1/C. Of a drive that carries its own inertia, too, C is at least what is found.
 /// @param c  coefficients of the term, whose columns wind the gear up
 Term calibrated(const RecordSignals& s, const Term& t, const Eigen::VectorXd& c) {
   Term said = t;
+  said.columns = link_columns(s, t.size());
   Eigen::MatrixXd parts(s.rows(), 4);
-  parts << Eigen::VectorXd::Ones(s.rows()), t.columns.matrix() * c, side_of_friction(s.joint_rate()).matrix(),
-      s.joint_rate().matrix();
+  parts << Eigen::VectorXd::Ones(s.rows()), said.columns.matrix() * c,
+      side_of_friction(s.joint_rate()).matrix(), s.joint_rate().matrix();
   const double stiffness = least_norm_solution(parts, s.effort.matrix())(1, 0);
   if (stiffness * c[0] > 0) said.effect.numbers["load_inertia"] = stiffness * c[0];
   return said;
@@ -106,15 +115,14 @@ bool follows_acceleration(const RecordSignals& s) {
 
 /// By the link's inertia and weight, where a drive's friction hides the load in its effort. None if the
 /// effort has nothing of it.
-std::optional<Term> by_own_load(const RecordSignals& s, Eigen::ArrayXXd columns,
+std::optional<Term> by_own_load(const RecordSignals& s, Eigen::Index count,
                                 void (*fill)(Effect&, const Eigen::VectorXd&)) {
-  Eigen::MatrixXd fit(s.rows(), columns.cols() + 1);
-  fit << Eigen::VectorXd::Ones(s.rows()), columns.matrix();
-  const Eigen::VectorXd c =
-      least_norm_solution(fit, (s.measured - s.path).matrix()).bottomRows(columns.cols());
-  Term t = linear_term(s, "compliance", columns.col(0), fill);
-  t.columns = std::move(columns);
+  Term t = linear_term(s, "compliance", s.acceleration, fill);
+  t.columns = link_columns(s, count);
   t.positive = 1;
+  Eigen::MatrixXd fit(s.rows(), count + 1);
+  fit << Eigen::VectorXd::Ones(s.rows()), t.columns.matrix();
+  const Eigen::VectorXd c = least_norm_solution(fit, (s.measured - s.path).matrix()).bottomRows(count);
   t = calibrated(s, t, c);
   if (!(c[0] > 0) || t.effect.numbers.empty()) return std::nullopt;
   t.relinearized = calibrated;
@@ -140,12 +148,9 @@ std::vector<Term> terms(const RecordSignals& s) {
   slow.positive = 2;
   std::vector<Term> all{load, slow, drive};
   if (!follows_acceleration(s)) return all;
-  const Eigen::ArrayXd& angle = s.joint_angle();
-  Eigen::ArrayXXd link(s.rows(), 3);
-  link << s.acceleration, angle.cos(), angle.sin();
-  if (auto t = by_own_load(s, link.leftCols(1), fill_of_inertia)) all.push_back(std::move(*t));
+  if (auto t = by_own_load(s, 1, fill_of_inertia)) all.push_back(std::move(*t));
   if (!s.prismatic)
-    if (auto t = by_own_load(s, link, fill_of_link)) all.push_back(std::move(*t));
+    if (auto t = by_own_load(s, 3, fill_of_link)) all.push_back(std::move(*t));
   return all;
 }
 

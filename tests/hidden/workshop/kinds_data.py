@@ -48,15 +48,17 @@ def two_joints(rng):
 
 
 def exchanged(rng):
-    """The references of two joints stand under each other's name."""
+    """The references of two joints, or their counts, stand under each other's name."""
     arm, t, q, counters = two_joints(rng)
     i, k = (int(x) for x in rng.choice(len(q), 2, replace=False))
     order = list(range(len(q)))
     order[i], order[k] = k, i
     columns = [("time [s]", t, "%.6f")]
+    noise, of_counts = 1e-6 * rng.standard_normal((len(q), len(t))), rng.random() < 0.5
     for j, name in enumerate(arm.names):
-        columns.append((f"{name}.counts", counters[j].count(q[j]), "%d"))
-        columns.append((f"{name}.reference [rad]", q[order[j]] + 1e-6 * rng.standard_normal(len(t)), "%.9f"))
+        read, ref = (order[j], j) if of_counts else (j, order[j])
+        columns.append((f"{name}.counts", counters[read].count(q[read]), "%d"))
+        columns.append((f"{name}.reference [rad]", q[ref] + noise[ref], "%.9f"))
     spec = "qerr: 1\nrobot: {urdf: robot.urdf}\nencoders:\n" + "".join(f"  {j}: {c.spec()}\n" for j, c in zip(arm.names, counters))
     return Record(spec, columns, {"joint": [arm.names[i], arm.names[k]], "any_joint": True, "rows": len(t), "causes": [],
                                   "says": ["exchanged"]}, arm.urdf())

@@ -8,7 +8,9 @@
 
 #include "core/solve.hpp"
 #include "core/text.hpp"
+#include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 
 /// Faults of the counter behind the encoder: it overflows, or it counts other edges than the spec says.
@@ -16,8 +18,9 @@ namespace qerr::sanity {
 
 namespace {
 
-constexpr double least_modulus = 256;                ///< of a counter of 8 bits
-constexpr double least_jump = 0.75 * least_modulus;  ///< motion may take a part of it
+/// Modulus from which on the end of a word is told from any other count, that of 8 bits, and the least one of
+/// which some overflows at the same count tell.
+constexpr double least_word = 256, least_modulus = 32;
 
 /// Counts by which a jump may differ from the modulus: motion and edge errors between two rows (convention).
 constexpr double slack = 3;
@@ -53,19 +56,26 @@ Eigen::ArrayXd jumps_of_counter(Eigen::ArrayXd jumps, const Eigen::ArrayXd& coun
   return jumps;
 }
 
-/// Whether noise of the reference could reach the size of the smallest jump that is looked for: six standard
-/// deviations, by the median absolute deviation (1.48 of it is the standard deviation of a Gaussian).
-bool is_hidden_by_noise(const Eigen::ArrayXd& jumps) {
+/// The least jump that is looked for: a counter that overflows fills its modulus, of which the motion between
+/// two rows may take a part.
+double least_jump(const Eigen::ArrayXd& counts) {
+  return 0.75 * std::max(least_modulus, peak_to_peak(counts) - slack);
+}
+
+/// Whether noise of the reference could reach the size of the smallest jump that is looked for, or of that of
+/// the smallest word: six standard deviations, by the median absolute deviation (1.48 of it is the standard
+/// deviation of a Gaussian).
+bool is_hidden_by_noise(const Eigen::ArrayXd& jumps, double least_jump) {
   std::vector<double> sizes(static_cast<std::size_t>(jumps.size()));
   for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(jumps[static_cast<Eigen::Index>(k)]);
-  return 6 * 1.48 * median(std::move(sizes)) > least_jump;
+  return 6 * 1.48 * median(std::move(sizes)) > std::min(least_jump, 0.75 * least_word);
 }
 
 /// Whether the counts themselves change anywhere by half of such a jump, without which there is none: what is
 /// more of it is motion, by the reference (jumps_of_counter) or by the median of changes that are as small.
 bool may_overflow(const Eigen::ArrayXd& counts) {
   const Eigen::Index n = counts.size();
-  return ((counts.tail(n - 1) - counts.head(n - 1)).abs() >= 0.5 * least_jump).any();
+  return ((counts.tail(n - 1) - counts.head(n - 1)).abs() >= 0.5 * least_jump(counts)).any();
 }
 
 struct Modulus {
@@ -74,7 +84,7 @@ struct Modulus {
 };
 
 /// The common size of all large jumps; none if they differ. It is a power of two if one is within 1 %.
-Modulus modulus_of(const Eigen::ArrayXd& jumps) {
+Modulus modulus_of(const Eigen::ArrayXd& jumps, double least_jump) {
   std::vector<double> large;
   for (const double j : jumps)
     if (std::abs(j) > least_jump) large.push_back(std::abs(j));
@@ -191,7 +201,7 @@ void undo_specified_rollover(Sanity& s, std::size_t encoder) {
   const Encoder& model = s.model.transmission.encoders[encoder];
   const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   const Eigen::ArrayXd jumps = jumps_of_counter(jumps_of(read->counts, reference), read->counts);
-  const double observed = modulus_of(jumps).counts;
+  const double observed = modulus_of(jumps, least_jump(read->counts)).counts;
   const bool other =
       observed > 0 && std::abs(observed - modulus) > std::max(2 * slack, relative_slack * modulus);
   if (other || peak_to_peak(read->counts) > modulus + slack) return;
@@ -220,6 +230,22 @@ void choose_turns_again(Sanity& s, const Eigen::ArrayXd& measured, std::size_t e
 
 }  // namespace
 
+namespace {
+
+/// From here on the readings are judged in steps of several counts, as are the losses that the spec states.
+void judge_in_steps(Sanity& s, RecordedCounts& read, std::size_t encoder, double counts) {
+  Encoder& model = s.model.transmission.encoders[encoder];
+  read.counts /= counts;
+  model.resolution *= counts;
+  model.counts_per_period = std::max(1.0, model.counts_per_period / counts);
+  for (Effect& e : s.present)
+    if (e.type == missed_counts_effect().name && e.joint == s.model.chain.independent[encoder].name)
+      e.numbers.at("counts") /= counts;
+  write_back(s, read, encoder);
+}
+
+}  // namespace
+
 double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor) {
   Encoder& model = s.model.transmission.encoders[encoder];
   choose_turns_again(s, read.counts / factor * model.resolution, encoder);
@@ -233,10 +259,8 @@ double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor
     const double edges = std::round((reference / model.resolution - counts).mean() + mean);
     if (std::abs(edges) <= 0.5 * true_per_reading) counts += edges;
   }
-  read.counts = counts / true_per_reading;
-  model.resolution *= true_per_reading;
-  model.counts_per_period = std::max(1.0, model.counts_per_period / true_per_reading);
-  write_back(s, read, encoder);
+  read.counts = counts;
+  judge_in_steps(s, read, encoder, true_per_reading);
   return reference.size() > 0 ? rms(read.counts * model.resolution - reference) : 0;
 }
 
@@ -266,17 +290,17 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
   // The counts themselves have no noise of the reference.
-  const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps);
+  const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps, least_jump(read->counts));
   jumps = noisy ? jumps_of(read->counts, {}) : jumps_of_counter(std::move(jumps), read->counts);
-  auto [modulus, power_of_two] = modulus_of(jumps);
+  auto [modulus, power_of_two] = modulus_of(jumps, least_jump(read->counts));
   // The range of a counter is its modulus.
   if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;
   Unwrapped unwrapped(read->counts, jumps, modulus);
   const OverflowPoint& point = unwrapped.overflow_point;
   if (point.overflows == 0 || point.low > point.high) return;
   // A few jumps at any count may be lost counts, but not at the end of a word or by a power of two >= 2^15.
-  if (!point.at_end_of_word(modulus) && point.overflows < 5 && !(power_of_two && modulus >= signed_word))
-    return;
+  const bool of_word = modulus >= least_word && point.at_end_of_word(modulus);
+  if (!of_word && point.overflows < 5 && !(power_of_two && modulus >= signed_word)) return;
   // A counter that is right follows even a noisy reference better than one that is unwrapped by mistake.
   if (noisy &&
       standard_deviation(unwrapped.counts - reference) > standard_deviation(read->counts - reference))
@@ -433,7 +457,7 @@ Eigen::ArrayXd restored(const Eigen::ArrayXd& as_read, double other, const Eigen
 
 namespace {
 
-/// Takes a bit of counts from the reference.
+/// Takes a bit of counts from the reference. The last one's is not: the noise of readings may be as large.
 /// @returns rms of measured - reference before and after [rad or m]
 std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size_t encoder, int bit,
                                       bool value) {
@@ -441,8 +465,17 @@ std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size
   const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
   if (reference.size() == 0) return {0, 0};
   const Eigen::ArrayXd as_read = read.counts - reference;
+  // Noise of the reference would take a bit for the other one near the edges of its halves.
+  Eigen::ArrayXd path = reference;
+  if (const auto stamps = s.log.find(LogSignal::time); stamps && !is_static(reference, 1))
+    path = smooth_path(s.log.values.col(*stamps), reference, 0).position;
   const double missing = direction(model) * (value ? -1 : 1) * std::ldexp(1.0, bit);
-  read.counts += restored(as_read, missing, model.shaft_ratio * model.resolution * reference);
+  if (bit == 0) {
+    read.counts += 0.5 * missing;
+    judge_in_steps(s, read, encoder, 2);
+    return {rms(as_read) * 0.5 * model.resolution, rms(read.counts - 0.5 * reference) * model.resolution};
+  }
+  read.counts += restored(read.counts - path, missing, model.shaft_ratio * model.resolution * path);
   write_back(s, read, encoder);
   return {rms(as_read) * model.resolution, rms(read.counts - reference) * model.resolution};
 }
@@ -468,7 +501,9 @@ void check_stuck_bit(Sanity& s, std::size_t encoder) {
                         significant(std::ldexp(2.0, stuck->bit), 6) + " counts in a row one half is missing",
                     s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
                     std::string(stuck_bit_effect().remedy.text) +
-                        (stuck->value ? "; here the bit is taken from the reference" : ""),
+                        (!stuck->value    ? ""
+                         : stuck->bit > 0 ? "; here the bit is taken from the reference"
+                                          : "; here readings are judged in steps of two counts"),
                     DataKind::corrupt});
   if (!stuck->value || !has_reference(s, encoder)) return;
   // By chance the counts of all rows lie in one half of the remainders.

@@ -132,6 +132,9 @@ double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eig
   const double jump = run.end < n ? counts[run.end] - counts[run.first] : moved;
   // Motion after the last row of the run may be a gap in the record.
   const double within = std::abs(reference[run.end - 1] - reference[run.first]);
+  // A reading that is ahead in time rests first, and at the end of the record its reference arrives there.
+  const auto error = [&](Eigen::Index k) { return std::abs(counts[k] - reference[k]); };
+  if (run.end == n && error(n - 1) < error(run.first)) return 0;
   const bool catches_up = jump * moved > 0 && std::abs(jump - moved) < 0.2 * std::abs(moved) + 2;
   const bool has_end = run.end < n || run.first == 0 || run.end - run.first > n / 100;
   const bool stuck = within >= std::max(0.5 * missed_motion, least) &&

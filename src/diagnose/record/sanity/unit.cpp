@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
@@ -87,6 +88,14 @@ std::optional<OtherUnit> other_unit(const LogColumn& column, double ratio, bool 
 
 namespace {
 
+/// Whole turns that were added to bring a column near readings in another unit, or of another joint, were
+/// none.
+void take_turns_back(Sanity& s, std::size_t joint, Eigen::Index column) {
+  if (s.model.chain.independent[joint].prismatic()) return;
+  Wraps& wraps = s.log.columns[static_cast<std::size_t>(column)].wraps;
+  s.log.values.col(column) -= 2 * std::numbers::pi * static_cast<double>(std::exchange(wraps.start, 0));
+}
+
 /// Converts a column whose values are in another unit than its header says, and reports it.
 void convert(Sanity& s, std::size_t joint, Eigen::Index column, const OtherUnit& unit) {
   const LogColumn& c = s.log.columns[static_cast<std::size_t>(column)];
@@ -98,9 +107,7 @@ void convert(Sanity& s, std::size_t joint, Eigen::Index column, const OtherUnit&
                     "write [" + std::string(unit.name) + "] in the header, or convert the column",
                     DataKind::contradictory});
   s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
-  // Whole turns that were added to bring the reference near the readings were none.
-  if (!s.model.chain.independent[joint].prismatic())
-    s.log.values.col(column) -= 2 * std::numbers::pi * static_cast<double>(c.wraps.start);
+  take_turns_back(s, joint, column);
   s.log.values.col(column) /= unit.factor;
 }
 
@@ -130,10 +137,14 @@ void check_exchange(Sanity& s) {
       const Pair &a = pairs[i], &b = pairs[j];
       if (!a.moves || !b.moves || std::abs(correlation(a.measured, a.reference)) > own ||
           std::abs(correlation(b.measured, b.reference)) > own ||
-          correlation(a.measured, b.reference) < crossed || correlation(b.measured, a.reference) < crossed)
+          std::abs(correlation(a.measured, b.reference)) < crossed ||
+          std::abs(correlation(b.measured, a.reference)) < crossed)
         continue;
-      const Eigen::Index first = *s.log.find(LogSignal::reference, i),
-                         second = *s.log.find(LogSignal::reference, j);
+      // Counts of another encoder have its resolution and its sign.
+      constexpr double other_ratio = 0.1;
+      const bool counts = s.log.find(LogSignal::counts, i) && s.log.find(LogSignal::counts, j) &&
+                          std::abs(fit_line(b.reference, a.measured).slope - 1) > other_ratio;
+      const LogSignal signal = counts ? LogSignal::counts : LogSignal::reference;
       const std::string one = s.model.chain.independent[i].name, other = s.model.chain.independent[j].name;
       s.data.push_back(
           {"the columns of " + one + " and " + other +
@@ -144,8 +155,15 @@ void check_exchange(Sanity& s) {
            "exchange the headers of the counts, or of the references, of " + one + " and " + other,
            DataKind::contradictory});
       s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
-      s.log.values.col(first).swap(s.log.values.col(second));
-      std::swap(pairs[i].reference, pairs[j].reference);
+      for (const std::size_t joint : {i, j})
+        if (counts) take_turns_back(s, joint, *s.log.find(LogSignal::reference, joint));
+      s.log.values.col(*s.log.find(signal, i)).swap(s.log.values.col(*s.log.find(signal, j)));
+      const auto& encoders = s.model.transmission.encoders;
+      for (const std::size_t joint : {i, j}) {
+        if (counts)
+          s.log.values.col(*s.log.find(signal, joint)) *= direction(encoders[i]) * direction(encoders[j]);
+        pairs[joint] = pair_of(s, joint);
+      }
     }
 }
 
