@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "filter/norms/complex.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "filter/norms/complex.hpp"
+#include "filter/norms/multiprecision.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
