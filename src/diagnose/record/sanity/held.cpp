@@ -369,7 +369,9 @@ double bend_of(const double* time, const double* value) {
 /// bend_of has divided by 8.1 where it is between two of them.
 std::vector<Eigen::Index> rows_at_corners(const Sanity& s, std::size_t joint) {
   constexpr std::ptrdiff_t width = 8;
-  constexpr double error_of_bend = 0.76 * 8.1, deviations = 4;
+  // Of a reversal that no row shows, the rows must have passed by more than a play, which they would take for
+  // one that is still to be crossed.
+  constexpr double error_of_bend = 0.76 * 8.1, deviations = 4, passed = 2;
   const auto column = static_cast<std::size_t>(*s.log.find(LogSignal::reference, joint));
   const auto& samples = s.log.columns[column].samples;
   const auto stamps = s.log.find(LogSignal::time);
@@ -383,6 +385,7 @@ std::vector<Eigen::Index> rows_at_corners(const Sanity& s, std::size_t joint) {
       std::hypot(noise, s.model.transmission.encoders[joint].resolution / std::sqrt(12.0));
   std::vector<Eigen::Index> rows;
   std::ptrdiff_t behind = 1;
+  double until = -std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < s.log.values.rows(); ++k) {
     const double time = s.log.values(k, *stamps);
     const auto at = [&](std::ptrdiff_t i) { return samples->time[static_cast<std::size_t>(i)]; };
@@ -390,7 +393,9 @@ std::vector<Eigen::Index> rows_at_corners(const Sanity& s, std::size_t joint) {
     const double u = (time - at(behind - 1)) / (at(behind) - at(behind - 1));
     const double bend = bends[static_cast<std::size_t>(
         std::clamp<std::ptrdiff_t>(behind - width / 2, 0, std::ssize(bends) - 1))];
-    if (bend > deviations * noise && error_of_bend * u * (1 - u) * bend > negligible) rows.push_back(k);
+    if (bend > deviations * noise && error_of_bend * u * (1 - u) * bend > negligible)
+      until = time + passed * (at(behind) - at(behind - 1));
+    if (time <= until) rows.push_back(k);
   }
   return rows;
 }
