@@ -80,9 +80,9 @@ TEST(TwoRates, ACleanMachineStaysClean) {
     log.columns[2].samples = reference.all();
     const Diagnosis d = diagnose(model_of(m), {}, {}, log);
     EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed << ' ' << rate;
-    ASSERT_FALSE(d.data.empty()) << seed;
-    EXPECT_NE(d.data[0].what.find("the reference is interpolated between"), std::string::npos)
-        << d.data[0].what;
+    EXPECT_TRUE(std::any_of(d.data.begin(), d.data.end(), [](const DataFinding& f) {
+      return f.what.find("the reference is interpolated between") != std::string::npos;
+    })) << seed;
   }
 }
 
