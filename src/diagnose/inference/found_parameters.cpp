@@ -132,6 +132,13 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, con
     if (!shape_name(t).empty()) columns.col(at++) = shape_column(e, t, m.coefficients(i)).matrix();
   }
   const Covariance c = covariance(e, m.likelihood(), columns);
+  // Where rounding drifts with the path as slowly as the record lasts, hardly a reading tells: what two
+  // models of the same readings differ by, a count a row and their noise, limits the difference of their
+  // parameters.
+  const auto limit = [&,
+                      inverse = symmetric_inverse(columns.transpose() * columns)](const Eigen::VectorXd& d) {
+    return (e.step() + 2 * m.noise()) * (columns * (inverse * d)).lpNorm<1>();
+  };
   std::vector<std::vector<FoundParameter>> found;
   at = base;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
@@ -149,8 +156,9 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, con
       if (name == shape) derivative[at + t.size()] = 1;
       derivative.segment(at, t.size()) += derivative_of(t, m.coefficients(i), name);
       // A reading that never changes says within which count the joint rests, and no more.
-      const double half =
-          t.constant && e.is_stationary() ? std::max(0.5 * e.step(), 2 * e.noise) : c.half_width(derivative);
+      const double half = t.constant && e.is_stationary()
+                              ? std::max(0.5 * e.step(), 2 * e.noise)
+                              : std::min(c.half_width(derivative), limit(derivative));
       mine.push_back({name, value, value - half, value + half});
     }
     at += t.size() + (shape.empty() ? 0 : 1);

@@ -411,12 +411,18 @@ Eigen::ArrayXd sectioned_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& 
     const Eigen::VectorXd from_first = (x - x[0]).matrix();
     const Eigen::ArrayXd fitted =
         (powers * solve_symmetric(powers.transpose() * powers, powers.transpose() * from_first)).array();
-    if (is_noise(from_first.array() - fitted, noise)) {
+    const Eigen::ArrayXd residual = from_first.array() - fitted;
+    if (is_noise(residual, noise)) {
       path.segment(first, rows) = x[0] + fitted;
       continue;
     }
-    sections.emplace_back(first, rows / 2);
-    sections.emplace_back(first + rows / 2, rows - rows / 2);
+    // A corner of the motion is where a cubic across it errs most. With an eighth at least on each side the
+    // number of sections is a logarithm.
+    Eigen::Index split = 0;
+    residual.segment(rows / 8, rows - rows / 4).abs().maxCoeff(&split);
+    split += rows / 8;
+    sections.emplace_back(first, split);
+    sections.emplace_back(first + split, rows - split);
   }
   return path;
 }

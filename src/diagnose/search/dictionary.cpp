@@ -120,6 +120,12 @@ class Candidates {
       const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
       if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < least_periods) continue;
+      // In a table of even steps an order of whole periods a step is a constant.
+      const Eigen::ArrayXd first = t.columns.row(0).transpose();
+      constexpr double varies = 0.01;  // of an amplitude: less than what is worth a name
+      if (t.harmonic && !e_.is_stationary() &&
+          (t.columns.rowwise() - first.transpose()).abs().maxCoeff() < varies)
+        continue;
       const Term original = t;
       // Linearizations of one effect differ in their columns alone: they are told apart by their place.
       const auto over = [original, place](const Sampling& s) {

@@ -355,6 +355,17 @@ bool is_ahead_of_time(const ErrorModel& m, const Choice& c, std::size_t i) {
   return guessed || (c.structured && !m.is_complete(c.chosen));
 }
 
+/// Whether the most of a term is what smoothing has taken from the path: the reference has it, too. Beside
+/// noise a motion may be distorted by a part of it, of which the mean over a record shows the more.
+bool is_of_smoothing(const ErrorModel& m, const Choice& c, std::size_t i) {
+  constexpr double most = 0.5, deviations = 4;
+  const Eigen::ArrayXd removed = m.sampled().reference - m.sampled().path, &weight = m.weight();
+  const Eigen::ArrayXd own = addition(m.term(c.chosen[i]), m.coefficients(c.chosen, c.fit, i));
+  const double power = (weight * own.square()).sum(), common = (weight * own * removed).sum();
+  const double noise = (weight.square() * own.square() * removed.square()).sum();
+  return common > most * power && common > deviations * std::sqrt(noise);
+}
+
 }  // namespace
 
 std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) {
@@ -362,7 +373,7 @@ std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) 
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
         is_part_of_curve(m, c, i) || is_beside_order(m, c, i) || fits_anywhere(m, c, i) ||
-        is_ahead_of_time(m, c, i))
+        is_ahead_of_time(m, c, i) || is_of_smoothing(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
 }

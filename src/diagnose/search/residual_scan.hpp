@@ -14,7 +14,7 @@ namespace qerr {
 /// @returns whether there was any
 bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 
-/// Families of chosen names that what is left over contradicts:
+/// Families of chosen terms, most of them names, that what is left over contradicts:
 ///
 /// - an order that does not stand out against its neighbours: of an order whose amplitude varies along the
 ///   path, or of wandering, whole orders are no more than others are (F test of the decrease of the sum of
@@ -26,7 +26,8 @@ bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 /// - a name that explains little without the uncatalogued shapes: it only corrects these;
 /// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed;
 /// - a name that, beside a correlated remainder, explains as much where its columns are shifted in time;
-/// - a reading ahead of time beside anything else that is left.
+/// - a reading ahead of time beside anything else that is left;
+/// - any term that the recorded reference has as well, before it is smoothed.
 std::vector<std::string> without_contrast(const ErrorModel&, const Choice&);
 
 /// The family of the name that explains least, of those that a correlated remainder puts in doubt: more than

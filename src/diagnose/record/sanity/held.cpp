@@ -3,6 +3,8 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numbers>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -345,22 +347,84 @@ std::vector<Eigen::Index> rows_of_readings(const Sanity& s, std::size_t joint) {
   return knots_of(s.log.values.col(*column), of.step());
 }
 
+/// What polynomials of the fifth degree leave of eight samples, per degree of freedom of white noise: two,
+/// the divided difference of order 7 and its first moment.
+double bend_of(const double* time, const double* value) {
+  constexpr int width = 8;
+  Eigen::Array<double, width, 1> t = Eigen::Map<const Eigen::Array<double, width, 1>>(time), weight, x;
+  t = (t - 0.5 * (t[3] + t[4])) / (t[7] - t[0]);
+  x = Eigen::Map<const Eigen::Array<double, width, 1>>(value) - value[0];
+  for (int i = 0; i < width; ++i) {
+    double product = 1;
+    for (int k = 0; k < width; ++k) product *= k == i ? 1 : t[i] - t[k];
+    weight[i] = 1 / product;
+  }
+  const Eigen::Array<double, width, 1> moment = weight * t;
+  return std::hypot((weight * x).sum() / weight.matrix().norm(), (moment * x).sum() / moment.matrix().norm());
+}
+
+/// Rows between samples of which a corner of the motion takes more from the cubic through four of them than
+/// their noise and the encoder's rounding: eight samples show what no noise has. At the fraction u between
+/// two samples the cubic errs across a corner by up to 0.76 u (1 - u) of the second difference there, which
+/// bend_of has divided by 8.1 where it is between two of them.
+std::vector<Eigen::Index> rows_at_corners(const Sanity& s, std::size_t joint) {
+  constexpr std::ptrdiff_t width = 8;
+  // Of a reversal that no row shows, the rows must have passed by more than a play, which they would take for
+  // one that is still to be crossed.
+  constexpr double error_of_bend = 0.76 * 8.1, deviations = 4, passed = 2;
+  const auto column = static_cast<std::size_t>(*s.log.find(LogSignal::reference, joint));
+  const auto& samples = s.log.columns[column].samples;
+  const auto stamps = s.log.find(LogSignal::time);
+  if (!samples || !stamps || std::ssize(samples->time) < 4 * width) return {};
+  std::vector<double> bends;
+  for (std::ptrdiff_t i = 0; i + width <= std::ssize(samples->time); ++i)
+    bends.push_back(
+        bend_of(&samples->time[static_cast<std::size_t>(i)], &samples->value[static_cast<std::size_t>(i)]));
+  const double noise = median(bends) / std::sqrt(2 * std::numbers::ln2);  // of a Rayleigh distribution
+  const double negligible =
+      std::hypot(noise, s.model.transmission.encoders[joint].resolution / std::sqrt(12.0));
+  std::vector<Eigen::Index> rows;
+  std::ptrdiff_t behind = 1;
+  double until = -std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < s.log.values.rows(); ++k) {
+    const double time = s.log.values(k, *stamps);
+    const auto at = [&](std::ptrdiff_t i) { return samples->time[static_cast<std::size_t>(i)]; };
+    while (behind + 1 < std::ssize(samples->time) && at(behind) < time) ++behind;
+    const double u = (time - at(behind - 1)) / (at(behind) - at(behind - 1));
+    const double bend = bends[static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(behind - width / 2, 0, std::ssize(bends) - 1))];
+    if (bend > deviations * noise && error_of_bend * u * (1 - u) * bend > negligible)
+      until = time + passed * (at(behind) - at(behind - 1));
+    if (time <= until) rows.push_back(k);
+  }
+  return rows;
+}
+
 }  // namespace
 
 void check_interpolated(Sanity& s) {
   constexpr double nearly_all = 0.75;  // of the rows, beyond which errors of neighbours are hardly alike
   const auto all = static_cast<std::size_t>(s.log.values.rows());
-  std::vector<Eigen::Index> fresh;
-  const auto add = [&](const std::vector<Eigen::Index>& rows) {
+  std::vector<Eigen::Index> fresh, corners;
+  const auto add_to = [](std::vector<Eigen::Index>& set, const std::vector<Eigen::Index>& rows) {
     std::vector<Eigen::Index> either;
-    std::set_union(fresh.begin(), fresh.end(), rows.begin(), rows.end(), std::back_inserter(either));
-    fresh = std::move(either);
+    std::set_union(set.begin(), set.end(), rows.begin(), rows.end(), std::back_inserter(either));
+    set = std::move(either);
   };
   for (std::size_t j = 0; j < s.model.chain.independent.size(); ++j) {
     if (!has_counts(s, j)) continue;
     const std::vector<Eigen::Index> rows = rows_of_readings(s, j);
-    if (rows.empty() || static_cast<double>(rows.size()) > nearly_all * static_cast<double>(all)) continue;
-    add(rows);
+    if (rows.empty()) continue;
+    if (const std::vector<Eigen::Index> bends = rows_at_corners(s, j); !bends.empty()) {
+      add_to(corners, bends);
+      s.data.push_back({"in " + counted(bends.size(), "row") +
+                            " the motion changes faster than the samples of the reference show: these rows "
+                            "are not judged",
+                        s.model.chain.independent[j].name, s.log.row_number(bends.front()) + 1,
+                        time_of(s, bends.front()), "record the reference at the rate of the encoder"});
+    }
+    if (static_cast<double>(rows.size()) > nearly_all * static_cast<double>(all)) continue;
+    add_to(fresh, rows);
     const std::size_t column = static_cast<std::size_t>(*s.log.find(LogSignal::reference, j));
     s.data.push_back({"the reference is interpolated between " + counted(rows.size(), "reading") + ": of " +
                           counted(all, "row") + " only those next to one are judged",
@@ -370,11 +434,17 @@ void check_interpolated(Sanity& s) {
                                                      : "record the readings themselves") +
                           std::string(": between them nothing can be judged")});
   }
-  if (fresh.empty()) return;
+  if (fresh.empty() && corners.empty()) return;
+  if (fresh.empty()) {
+    fresh.resize(all);
+    std::iota(fresh.begin(), fresh.end(), Eigen::Index{0});
+  }
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (const auto tip = s.log.find(LogSignal::tip, axis))
-      add(s.log.rows_at_samples(static_cast<std::size_t>(*tip)));
-  keep_rows(s, fresh);
+      add_to(fresh, s.log.rows_at_samples(static_cast<std::size_t>(*tip)));
+  std::vector<Eigen::Index> kept;
+  std::set_difference(fresh.begin(), fresh.end(), corners.begin(), corners.end(), std::back_inserter(kept));
+  keep_rows(s, kept);
 }
 
 }  // namespace qerr::sanity

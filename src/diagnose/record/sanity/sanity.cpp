@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
+#include "core/random.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/record/with_effects.hpp"
@@ -114,6 +117,25 @@ std::optional<double> time_of(const Sanity& s, Eigen::Index row) {
 
 namespace {
 
+/// Rows without a time have no order: one by their values, which are then shuffled, makes all that follows
+/// the same for any order in the file. Poses of a tip are in the order in which they were taken.
+void forget_order(Sanity& s) {
+  const bool tracked = std::any_of(s.log.columns.begin(), s.log.columns.end(),
+                                   [](const LogColumn& c) { return c.signal == LogSignal::tip; });
+  if (s.log.has_time() || tracked || !s.log.stretches.empty()) return;
+  const auto n = static_cast<std::size_t>(s.log.values.rows());
+  std::vector<Eigen::Index> sorted(n), place(n), rows(n);
+  std::iota(sorted.begin(), sorted.end(), Eigen::Index{0});
+  std::ranges::sort(sorted, [&](Eigen::Index a, Eigen::Index b) {
+    return std::ranges::lexicographical_compare(s.log.values.row(a), s.log.values.row(b));
+  });
+  const auto key = [](Eigen::Index i) { return random_bits(0, static_cast<std::uint64_t>(i), 0); };
+  std::iota(place.begin(), place.end(), Eigen::Index{0});
+  std::ranges::sort(place, std::ranges::less{}, key);
+  for (std::size_t i = 0; i < n; ++i) rows[i] = sorted[static_cast<std::size_t>(place[i])];
+  keep_rows(s, rows);
+}
+
 /// Without a reference of any position the counts cannot be compared with anything.
 void check_reference_exists(Sanity& s) {
   bool exists =
@@ -152,6 +174,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
                   sanity::encoder_reference(s, i))
             : 0);
   }
+  sanity::forget_order(s);
   sanity::check_held_cells(s);
   if (s.log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
