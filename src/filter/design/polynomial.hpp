@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "filter/norms/multiprecision.hpp"
-#include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 
 namespace qerr {

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <charconv>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "filter/norms/multiprecision.hpp"
 #include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
