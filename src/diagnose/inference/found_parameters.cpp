@@ -156,9 +156,10 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, con
       if (name == shape) derivative[at + t.size()] = 1;
       derivative.segment(at, t.size()) += derivative_of(t, m.coefficients(i), name);
       // A reading that never changes says within which count the joint rests, and no more.
-      const double half = t.constant && e.is_stationary()
-                              ? std::max(0.5 * e.step(), 2 * e.noise)
-                              : std::min(c.half_width(derivative), limit(derivative));
+      const double half = t.constant && e.is_stationary() ? std::max(0.5 * e.step(), 2 * e.noise)
+                          : t.step && columns.col(at).any()
+                              ? std::min(c.half_width(derivative), limit(derivative))
+                              : c.half_width(derivative);
       mine.push_back({name, value, value - half, value + half});
     }
     at += t.size() + (shape.empty() ? 0 : 1);
