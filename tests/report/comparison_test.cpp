@@ -256,7 +256,7 @@ TEST_F(SpecReports, TakeNullForUnboundedAndLeaveOutWhatIsNotKnown) {
   const ReportComparison c = compare(read, read);
   EXPECT_EQ(c.figures.front().relative, 0);
   EXPECT_NE(write(c, "table").find("all unchanged"), std::string::npos);
-  EXPECT_NO_THROW(static_cast<void>(nlohmann::json::parse(write(c, "json"))));
+  EXPECT_TRUE(nlohmann::json::accept(write(c, "json")));
 }
 
 TEST_F(SpecReports, FitEightyColumnsWhateverTheNames) {
