@@ -56,19 +56,19 @@ Eigen::ArrayXd jumps_of_counter(Eigen::ArrayXd jumps, const Eigen::ArrayXd& coun
   return jumps;
 }
 
-/// The least jump that is looked for: a counter that overflows fills its modulus, of which the motion between
-/// two rows may take a part.
+/// The least jump that is looked for: a small counter that overflows fills its modulus, of which the motion
+/// between two rows may take a part. Of larger ones the jumps must be of one size down to those of a byte:
+/// between poses the longest ways alone are alike.
 double least_jump(const Eigen::ArrayXd& counts) {
-  return 0.75 * std::max(least_modulus, peak_to_peak(counts) - slack);
+  return 0.75 * std::clamp(peak_to_peak(counts) - slack, least_modulus, least_word);
 }
 
-/// Whether noise of the reference could reach the size of the smallest jump that is looked for, or of that of
-/// the smallest word: six standard deviations, by the median absolute deviation (1.48 of it is the standard
-/// deviation of a Gaussian).
+/// Whether noise of the reference could reach the size of the smallest jump that is looked for: six standard
+/// deviations, by the median absolute deviation (1.48 of it is the standard deviation of a Gaussian).
 bool is_hidden_by_noise(const Eigen::ArrayXd& jumps, double least_jump) {
   std::vector<double> sizes(static_cast<std::size_t>(jumps.size()));
   for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(jumps[static_cast<Eigen::Index>(k)]);
-  return 6 * 1.48 * median(std::move(sizes)) > std::min(least_jump, 0.75 * least_word);
+  return 6 * 1.48 * median(std::move(sizes)) > least_jump;
 }
 
 /// Whether the counts themselves change anywhere by half of such a jump, without which there is none: what is
