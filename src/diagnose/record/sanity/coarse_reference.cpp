@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
@@ -91,6 +93,19 @@ double grid_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double least
   return 0;
 }
 
+/// Standard deviation of the errors of rows that share a value of the reference; 0 if none do.
+double scatter_within_values(const Eigen::ArrayXd& reference, const Eigen::ArrayXd& error) {
+  std::map<double, std::vector<double>> by_value;
+  for (Eigen::Index k = 0; k < reference.size(); ++k) by_value[reference[k]].push_back(error[k]);
+  double square = 0, rows = 0;
+  for (const auto& [value, errors] : by_value) {
+    const Eigen::Map<const Eigen::ArrayXd> e(errors.data(), std::ssize(errors));
+    square += (e - e.mean()).square().sum();
+    rows += static_cast<double>(errors.size()) - 1;
+  }
+  return rows > 0 ? std::sqrt(square / rows) : 0;
+}
+
 const char* unit_of_joint(const Sanity& s, std::size_t joint) {
   return s.model.chain.independent[joint].prismatic() ? "m" : "rad";
 }
@@ -106,7 +121,9 @@ void check_reference_grid(Sanity& s, std::size_t encoder) {
                                      : Eigen::ArrayXd::LinSpaced(reference.size(), 0.0, 1.0);
   double grid = grid_of(time, reference, negligible_grid * step);
   // Rounding leaves an error of 0.29 steps rms; positions that were chosen in even steps leave nearly none.
-  if (standard_deviation(recorded_counts(s, encoder)->counts * step - reference) < 0.125 * grid) grid = 0;
+  // Of a table without time, whatever errors depend on the position, too.
+  const Eigen::ArrayXd error = recorded_counts(s, encoder)->counts * step - reference;
+  if ((stamps ? standard_deviation(error) : scatter_within_values(reference, error)) < 0.125 * grid) grid = 0;
   s.reference_grid[encoder] = grid;
   if (grid < step) return;
   s.data.push_back({"the reference changes in steps of " + readable(grid, unit_of_joint(s, encoder)) + " = " +
