@@ -93,10 +93,15 @@ double grid_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double least
   return 0;
 }
 
-/// Standard deviation of the errors of rows that share a value of the reference; 0 if none do.
-double scatter_within_values(const Eigen::ArrayXd& reference, const Eigen::ArrayXd& error) {
+const char* unit_of_joint(const Sanity& s, std::size_t joint) {
+  return s.model.chain.independent[joint].prismatic() ? "m" : "rad";
+}
+
+}  // namespace
+
+double scatter_within_values(const Eigen::ArrayXd& position, const Eigen::ArrayXd& error) {
   std::map<double, std::vector<double>> by_value;
-  for (Eigen::Index k = 0; k < reference.size(); ++k) by_value[reference[k]].push_back(error[k]);
+  for (Eigen::Index k = 0; k < position.size(); ++k) by_value[position[k]].push_back(error[k]);
   double square = 0, rows = 0;
   for (const auto& [value, errors] : by_value) {
     const Eigen::Map<const Eigen::ArrayXd> e(errors.data(), std::ssize(errors));
@@ -105,12 +110,6 @@ double scatter_within_values(const Eigen::ArrayXd& reference, const Eigen::Array
   }
   return rows > 0 ? std::sqrt(square / rows) : 0;
 }
-
-const char* unit_of_joint(const Sanity& s, std::size_t joint) {
-  return s.model.chain.independent[joint].prismatic() ? "m" : "rad";
-}
-
-}  // namespace
 
 void check_reference_grid(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);

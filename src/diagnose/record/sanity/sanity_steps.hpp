@@ -102,6 +102,9 @@ void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);
 void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
+/// Standard deviation of the errors of rows that share a position; 0 if none do.
+double scatter_within_values(const Eigen::ArrayXd& position, const Eigen::ArrayXd& error);
+
 /// Turns that were taken for wraps, until the counts went beyond one turn, are put back by the reference.
 void check_turns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
