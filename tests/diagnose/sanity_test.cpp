@@ -697,5 +697,19 @@ TEST(Sanity, AcceptsTablesWithoutTime) {
   }
 }
 
+// Once sorted they are steady; as they come, they look like rounding, like a stuck bit and like a coarse
+// reference.
+TEST(Sanity, FindsNothingInATableAtEvenStepsOfSeveralCounts) {
+  for (const double counts : {4.005, 8.0013, 31.999, 55.98}) {
+    Machine m(9);
+    for (Eigen::Index k = 0; k < m.path.size(); ++k)
+      m.path[k] = static_cast<double>(7 * k % 200) * counts * m.resolution;
+    const Sanity s = check_sanity(
+        model_of(m), {}, log_of({{LogSignal::counts, m.counted(m.path), 0}, {LogSignal::reference, m.path}}));
+    EXPECT_TRUE(s.causes.empty()) << counts;
+    EXPECT_TRUE(s.data.empty()) << counts << ": " << (s.data.empty() ? "" : s.data[0].what);
+  }
+}
+
 }  // namespace
 }  // namespace qerr
