@@ -51,9 +51,9 @@ class RunStatistics {
 
   double mean(Eigen::Index channel) const;
   double variance(Eigen::Index channel) const;  ///< about the mean over all blocks
-  /// Of one of the first channels: mean of the variances that theory expects.
+  /// Mean of the variances that theory expects of one of the first channels.
   double expected(Eigen::Index channel) const;
-  /// Of one of the first channels.
+  /// Largest deviation of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
 
   /// 95 % interval of sigma by Student's t of the mean squares of the blocks. Their variation between blocks

@@ -139,7 +139,7 @@ class Ascent {
     return values;
   }
 
-  /// Of each term its signed half width and its mean at the longest corner, by flipping signs one by one.
+  /// Signed half width and mean of each term at the longest corner, by flipping signs one by one.
   Eigen::VectorXd longest_corner() {
     const Eigen::Matrix3Xd v = terms_.vectors(terms_.columns(q_));
     const std::vector<ErrorTerm>& list = terms_.terms();

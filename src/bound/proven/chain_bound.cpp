@@ -301,7 +301,7 @@ std::vector<double> ChainForm::reaches() const {
   reach[size()] = tip.translation().norm();
   for (std::size_t k = size(); k-- > 0;) {
     const ChainStep& s = steps[k];
-    // Of the fixed transform and a prismatic motion together; both ends, as the distance is convex.
+    // The fixed transform and a prismatic motion together; both ends, as the distance is convex.
     double offset = s.translation.norm();
     if (s.prismatic)
       for (const double motion : {s.lower, s.upper})

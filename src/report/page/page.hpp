@@ -72,7 +72,7 @@ Axis axis(const AxisRange&, double least, double largest, int most = 6);
 
 /// What pictures over two axes have in common.
 
-/// Of a picture and of the margins around the area of its axes; the left one grows with its labels [pixels].
+/// Sizes of a picture and of the margins around its axes; the left one grows with its labels [pixels].
 inline constexpr double picture_width = 400, picture_height = 250;
 inline constexpr double least_left = 40, right_margin = 14, top_margin = 22, bottom_margin = 40;
 

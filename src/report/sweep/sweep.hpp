@@ -41,7 +41,7 @@ struct Shard {
 struct SweepColumn {
   std::string key, unit;
   std::size_t axis = 0;
-  /// Of the steps of its axis [SI], if all of them are numbers, in units of one kind; else empty: they are
+  /// Values of the axis's steps [SI], if all are numbers, in units of one kind; else empty: they are
   /// texts, such as the family of a filter or a row of a catalogue.
   std::vector<double> values;
 

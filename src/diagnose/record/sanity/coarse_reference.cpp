@@ -120,7 +120,7 @@ void check_reference_grid(Sanity& s, std::size_t encoder) {
                                      : Eigen::ArrayXd::LinSpaced(reference.size(), 0.0, 1.0);
   double grid = grid_of(time, reference, negligible_grid * step);
   // Rounding leaves an error of 0.29 steps rms; positions that were chosen in even steps leave nearly none.
-  // Of a table without time, whatever errors depend on the position, too.
+  // In a table without time they do so whatever errors depend on the position.
   const Eigen::ArrayXd error = recorded_counts(s, encoder)->counts * step - reference;
   if ((stamps ? standard_deviation(error) : scatter_within_values(reference, error)) < 0.125 * grid) grid = 0;
   s.reference_grid[encoder] = grid;

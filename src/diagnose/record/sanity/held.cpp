@@ -369,8 +369,8 @@ double bend_of(const double* time, const double* value) {
 /// bend_of has divided by 8.1 where it is between two of them.
 std::vector<Eigen::Index> rows_at_corners(const Sanity& s, std::size_t joint) {
   constexpr std::ptrdiff_t width = 8;
-  // Of a reversal that no row shows, the rows must have passed by more than a play, which they would take for
-  // one that is still to be crossed.
+  // Rows behind a reversal that no row shows must have passed it by more than a play, which they would take
+  // for one that is still to be crossed.
   constexpr double error_of_bend = 0.76 * 8.1, deviations = 4, passed = 2;
   const auto column = static_cast<std::size_t>(*s.log.find(LogSignal::reference, joint));
   const auto& samples = s.log.columns[column].samples;
