@@ -53,7 +53,7 @@ class RunStatistics {
   double variance(Eigen::Index channel) const;  ///< about the mean over all blocks
   /// Mean of the variances that theory expects of one of the first channels.
   double expected(Eigen::Index channel) const;
-  /// Largest deviation of one of the first channels.
+  /// Largest absolute value of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
 
   /// 95 % interval of sigma by Student's t of the mean squares of the blocks. Their variation between blocks
