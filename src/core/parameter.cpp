@@ -23,7 +23,7 @@ constexpr DimensionRange ranges[]{
     {dimension::speed, {1e-15, 3e8}},
     {dimension::angular_speed, {1e-15, 1e9}},
     {{1, 0, -2}, {1e-15, 1e15}},
-    {{0, 1, -2}, {1e-15, 1e15}},
+    {dimension::angular_acceleration, {1e-15, 1e15}},
     {dimension::torque, {1e-15, 1e15}},
     {{0, 0, 0, 1}, {1e-15, 1e15}},
     {dimension::temperature, {1e-12, 1e9}},

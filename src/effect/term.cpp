@@ -37,9 +37,10 @@ bool RecordSignals::readings_drive(double gap) const {
   return turns(measured, quiet * step()) <= 2 * turns(direction, half) + 4;
 }
 
-Eigen::ArrayXd RecordSignals::drive() const {
+Eigen::ArrayXd RecordSignals::drive(double gap) const {
   const double ratio = fit_line(path, measured).slope;
-  return ratio > 0 ? (measured / ratio).eval() : measured;
+  const bool is_of_play = std::abs(ratio - 1) * standard_deviation(path) <= 0.5 * gap;
+  return ratio > 0 && !is_of_play ? (measured / ratio).eval() : measured;
 }
 
 Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {

@@ -46,8 +46,9 @@ struct RecordSignals {
   /// they turn round hardly more often than the joint. Readings that noise turns round do not.
   bool readings_drive(double gap) const;
   /// What the readings say of the drive of a play, in the measure of the joint: without their ratio to the
-  /// path, or a play of many rows would not be crossed where the joint has hardly moved.
-  Eigen::ArrayXd drive() const;
+  /// path, or a play of many rows would not be crossed where the joint has hardly moved. With a ratio that
+  /// the play itself may make: half of it, along with the path.
+  Eigen::ArrayXd drive(double gap) const;
 };
 
 /// A candidate cause of an encoder's error in a regression: its regressors, and the map from their

@@ -44,8 +44,9 @@ TEST(OperationalError, WithEffectsDominatesEverySimulatedTipError) {
     SimulationOptions options;
     options.threads = 1;
     const Simulation s = simulate(real, {}, {}, motion, effects, options);
+    constexpr double of_one = 1e-16;  // [rad or m]: sliding joints alone turn the tip by it
     for (const SimulatedSignal& signal : s.results[0]) {
-      EXPECT_LE(signal.peak_simulated, signal.worst_case_path * (1 + rounding)) << trial;
+      EXPECT_LE(signal.peak_simulated, signal.worst_case_path * (1 + rounding) + of_one) << trial;
       used = std::max(used, signal.peak_simulated / signal.worst_case_path);
     }
   }

@@ -16,8 +16,8 @@ struct Dimension {
 
 namespace dimension {
 inline constexpr Dimension none{}, length{1}, angle{0, 1}, time{0, 0, 1}, frequency{0, 0, -1},
-    speed{1, 0, -1}, angular_speed{0, 1, -1}, torque{1, 0, 0, 1}, compliance{-1, 1, 0, -1},
-    damping{1, -1, 1, 1}, inertia{1, -1, 2, 1}, temperature{0, 0, 0, 0, 1},
+    speed{1, 0, -1}, angular_speed{0, 1, -1}, angular_acceleration{0, 1, -2}, torque{1, 0, 0, 1},
+    compliance{-1, 1, 0, -1}, damping{1, -1, 1, 1}, inertia{1, -1, 2, 1}, temperature{0, 0, 0, 0, 1},
     angle_per_temperature{0, 1, 0, 0, -1};
 }  // namespace dimension
 

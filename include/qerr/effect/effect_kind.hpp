@@ -173,6 +173,7 @@ inline Dimension dimension_at(const Parameter& p, bool prismatic) {
   if (prismatic && p.dimension == dimension::angle_per_temperature) return {1, 0, 0, 0, -1};
   if (prismatic && p.dimension == dimension::torque) return {0, 0, 0, 1};
   if (prismatic && p.dimension == dimension::angular_speed) return dimension::speed;
+  if (prismatic && p.dimension == dimension::angular_acceleration) return {1, 0, -2};
   if (prismatic && p.dimension == dimension::damping) return {-1, 0, 1, 1};
   if (prismatic && p.dimension == dimension::inertia) return {-1, 0, 2, 1};
   return p.dimension;

@@ -27,6 +27,10 @@ constexpr int most_passes = 7;
 /// exact sines.
 constexpr double material_part = 0.012;
 
+/// Of a joint that coasts through its play: real flanks are springs, from which it bounces. Calibration: what
+/// two masses with springs leave (tests/diagnose/coasting_joint_test.cpp).
+constexpr double material_part_of_coasting = 0.03;
+
 /// The smallest part for a table or polynomial, which follows a curve that is not its own only coarsely, and
 /// of any uncatalogued term of a model that does not explain everything.
 constexpr double material_part_of_table = 0.2;
@@ -192,8 +196,9 @@ class CauseSearch {
       const double size = standard_deviation(added(i));
       // A step is what it is: of any size, named or not.
       const bool coarse = table || (incomplete && !t.named() && !t.step);
-      worth = std::max(worth, (coarse ? material_part_of_table : material_part) * size);
-      if (!table) of_shapes = std::max(of_shapes, material_part * size);
+      const double part = t.hysteresis && t.shapes ? material_part_of_coasting : material_part;
+      worth = std::max(worth, (coarse ? material_part_of_table : part) * size);
+      if (!table) of_shapes = std::max(of_shapes, part * size);
     }
     const bool changed = std::abs(worth - history_.worth) > 0.2 * history_.worth;
     history_.worth = worth, history_.worth_of_shapes = of_shapes;
@@ -511,7 +516,7 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
     }
     const auto terms = kind.terms(m.sampled());
     const bool told_by_record =
-        std::any_of(terms.begin(), terms.end(), [](const Term& t) { return t.shapes; });
+        !terms.empty() && std::ranges::all_of(terms, [](const Term& t) { return t.shapes != nullptr; });
     if (v.smallest == 0 && told_by_record) continue;  // of its parameters the record has none
     if (v.smallest == 0) v.hidden_by = hidden_by(kind, m.sampled());
     visible.push_back(std::move(v));

@@ -172,7 +172,8 @@ class Candidates {
       const auto over = [original, size, clocks = clocks_](const Sampling& s) {
         Term t = original;
         t.columns = s.averaged(original.hysteresis(
-            original.of_reference ? PathAsRead(*s.record, clocks).of_all_rows() : s.record->drive(), size));
+            original.of_reference ? PathAsRead(*s.record, clocks).of_all_rows() : s.record->drive(size),
+            size));
         return t;
       };
       const std::string driven = original.of_reference ? " of the load" + read_late_ : "";

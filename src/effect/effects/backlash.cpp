@@ -1,5 +1,11 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "core/solve.hpp"
 #include "effect/effects/effects.hpp"
 #include "encoder/loop_reading.hpp"
 
@@ -18,9 +24,22 @@ double driven(double before, double driving, double gap) {
   return std::clamp(before, driving - 0.5 * gap, driving + 0.5 * gap);
 }
 
-/// An encoder on the drive's side leads the joint by half the gap in the direction of the last motion; before
-/// the first motion it is in the middle of the gap. Where jitter exchanges the instants of two readings, the
-/// joint has not turned round. One on the load's side is driven through the play.
+constexpr double stops_at_once = std::numeric_limits<double>::infinity();
+
+/// Deceleration of a joint that no flank touches, by its own friction [rad/s^2 or m/s^2].
+double deceleration(const Effect& e) { return e.number_or("deceleration", stops_at_once); }
+
+/// The flank that the drive pushes, as a joint moves: ahead of it, unless it slows down by more than its
+/// friction does. 0 at rest.
+double flank(double velocity, double acceleration, double deceleration) {
+  const double ahead = velocity > 0 ? 1 : velocity < 0 ? -1 : 0;
+  return ahead * acceleration < -deceleration ? -ahead : ahead;
+}
+
+/// An encoder on the drive's side leads the joint by half the gap in the direction of the last motion, or
+/// on the flank that a coasting joint needs; before the first motion it is in the middle of the gap. Where
+/// jitter exchanges the instants of two readings, the joint has not turned round. One on the load's side is
+/// driven through the play.
 Action action(const Effect& e, const Encoder&, std::uint64_t) {
   if (lags(e))
     return [gap = e.number("gap"), at = 0.0, first = true](double x, const Moment&) mutable {
@@ -28,10 +47,12 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
       first = false;
       return at;
     };
-  return [half = 0.5 * e.number("gap"), side = 0.0, last = 0.0, instant = 0.0, first = true](
-             double x, const Moment& m) mutable {
-    if (!first && x != last && m.time != instant) side = (x > last) == (m.time > instant) ? 1 : -1;
-    first = false;
+  return [half = 0.5 * e.number("gap"), slowed = deceleration(e), side = 0.0, last = 0.0, velocity = 0.0,
+          instant = 0.0, rows = 0](double x, const Moment& m) mutable {
+    if (const double duration = m.time - instant; rows++ > 0 && x != last && duration != 0) {
+      const double before = std::exchange(velocity, (x - last) / duration);
+      side = flank(velocity, rows > 2 ? (velocity - before) / duration : 0, slowed);
+    }
     last = x;
     instant = m.time;
     return x + side * half;
@@ -51,6 +72,134 @@ Eigen::ArrayXd lead(const Eigen::ArrayXd& driving, double gap) {
 
 Eigen::ArrayXd lag(const Eigen::ArrayXd& driving, double gap) { return -lead(driving, gap); }
 
+/// The drive's side of a joint that coasts, as the joint's own motion tells it: at rest the last one.
+Eigen::ArrayXd flanks(const RecordSignals& s, double deceleration) {
+  if (!std::isfinite(deceleration) || s.acceleration.size() == 0) return s.direction;
+  constexpr double moving = 0.02;  // of the largest speed, as of stops (convention)
+  const double slowest = moving * s.joint_rate().abs().maxCoeff();
+  Eigen::ArrayXd side = s.direction;
+  for (Eigen::Index k = 1; k < side.size(); ++k)
+    side[k] = std::abs(s.joint_rate()[k]) < slowest ? side[k - 1]
+                                                    : flank(s.direction[k], s.acceleration[k], deceleration);
+  return side;
+}
+
+/// Displacement of the driving side from a joint that coasts from the speed at which a flank has left it, per
+/// unit of the gap. While the drive crosses the play, only the readings tell where it is.
+Eigen::ArrayXd lead(const RecordSignals& s, double gap, double deceleration) {
+  if (!s.readings_drive(gap)) return 0.5 * flanks(s, deceleration);
+  const Eigen::ArrayXd driving = s.drive(gap);
+  if (!std::isfinite(deceleration)) return lead(driving, gap);
+  const Eigen::ArrayXd error = s.measured - s.path;
+  const double middle = 0.5 * (error.minCoeff() + error.maxCoeff());
+  Eigen::ArrayXd added(driving.size());
+  double at = driven(driving[0] - error[0] + middle, driving[0], gap), speed = s.joint_rate()[0];
+  for (Eigen::Index k = 0; k < driving.size(); ++k) {
+    const double duration = k > 0 ? s.time[k] - s.time[k - 1] : 0,
+                 slower = std::max(0.0, std::abs(speed) - deceleration * duration),
+                 moving = std::min(duration, std::abs(speed) / deceleration);
+    const double coasted = at + std::copysign(0.5 * (std::abs(speed) + slower) * moving, speed);
+    at = driven(coasted, driving[k], gap);
+    speed = at == coasted ? std::copysign(slower, speed) : s.joint_rate()[k];
+    // Within a count of a flank it is at the flank: what the readings round is no motion in the play.
+    const double ahead = driving[k] - at;
+    added[k] = 0.5 * gap - std::abs(ahead) < s.step() ? std::copysign(0.5, ahead) : ahead / gap;
+  }
+  return added;
+}
+
+/// Some rows of a record, in which the deceleration of a joint is seen that coasts through its play.
+class CoastingScan {
+ public:
+  explicit CoastingScan(const RecordSignals& s) {
+    constexpr Eigen::Index most = 1 << 14;
+    const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
+    some_.encoder = s.encoder;
+    some_.time = s.time(some), some_.path = s.path(some), some_.measured = s.measured(some);
+    some_.velocity = s.velocity(some), some_.acceleration = s.acceleration(some);
+    some_.direction = s.direction(some);
+    const Eigen::ArrayXd &path = some_.path, shaft = s.encoder.shaft_ratio * path;
+    Eigen::MatrixXd beside(path.size(), 4);
+    beside << Eigen::VectorXd::Ones(path.size()), path, shaft.sin(), shaft.cos();
+    beside_ = orthonormal_basis(beside);
+    error_ = apart(some_.measured - path);
+    typical_ = std::sqrt(error_.squaredNorm() / static_cast<double>(error_.size()));
+  }
+
+  struct Fit {
+    double gap = 0, left = 0;  ///< rms of what is left [rad or m]
+  };
+  /// Of a play whose flanks are touched equally long, or nearly.
+  Fit at(double deceleration) const {
+    constexpr int steps = 3;
+    return at(deceleration, 2 * typical_, steps);
+  }
+  Fit at(double deceleration, double about, int steps) const {
+    Fit fit{about, typical_};
+    for (int i = 0; i < steps; ++i) {
+      const Eigen::VectorXd column = apart(lead(some_, fit.gap, deceleration));
+      const double own = column.squaredNorm(), gap = column.dot(error_) / own;
+      if (!(gap > 0)) return {fit.gap, typical_};
+      fit = {gap, std::sqrt(std::max(0.0, error_.squaredNorm() - gap * gap * own) /
+                            static_cast<double>(error_.size()))};
+    }
+    return fit;
+  }
+
+  /// The deceleration that leaves least, from one that takes the whole record to that of one row. None where
+  /// more is left than of a play, or hardly less than of one whose joint stops at once.
+  std::optional<double> best() const {
+    constexpr double part_left = 0.3, counts_left = 0.6, less = 0.8, rounding = 0.4;  // conventions
+    constexpr double coarse = 2, fine = 1.01, promising = 0.7;
+    if (typical_ < rounding * some_.step()) return std::nullopt;
+    const Eigen::Index last = some_.time.size() - 1;
+    const double rate = std::sqrt(some_.velocity.square().mean()),
+                 duration = some_.time[last] - some_.time[0];
+    double best = 0;
+    Fit least{2 * typical_, std::numeric_limits<double>::infinity()};
+    const auto attempt = [&](double deceleration) {
+      constexpr int steps = 2;
+      if (const Fit fit = at(deceleration, least.gap, steps); fit.left < least.left)
+        least = fit, best = deceleration;
+    };
+    for (double d = rate / duration; d * duration < rate * static_cast<double>(last); d *= coarse) attempt(d);
+    if (!(least.left < promising * typical_)) return std::nullopt;
+    for (double ratio = std::sqrt(coarse); ratio > fine; ratio = std::sqrt(ratio)) {
+      const double middle = best;
+      attempt(middle / ratio), attempt(middle * ratio);
+    }
+    const bool is_play = least.left < std::max(part_left * typical_, counts_left * some_.step());
+    return is_play && least.left < less * at(stops_at_once).left ? std::optional(best) : std::nullopt;
+  }
+
+ private:
+  Eigen::VectorXd apart(const Eigen::ArrayXd& column) const {
+    return column.matrix() - beside_ * (beside_.transpose() * column.matrix());
+  }
+
+  RecordSignals some_;
+  Eigen::VectorXd error_;
+  Eigen::MatrixXd beside_;  // orthonormal: a constant, a scale, an eccentricity
+  double typical_ = 0;
+};
+
+std::vector<double> decelerations(const RecordSignals& s) {
+  const auto best = CoastingScan(s).best();
+  return best ? std::vector{*best} : std::vector<double>{};
+}
+
+Term coasting(const RecordSignals& s, double deceleration) {
+  Term t = linear_term(s, "backlash", Eigen::ArrayXd::Zero(s.rows()),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["gap"] = c[0]; });
+  if (std::isfinite(deceleration)) t.columns = lead(s, CoastingScan(s).at(deceleration).gap, deceleration);
+  t.positive = 1;
+  t.hysteresis = lead;
+  t.effect.numbers["deceleration"] = t.shape = deceleration;
+  t.reshaped = [](const RecordSignals& record, const Term&, double shape) { return coasting(record, shape); };
+  t.shapes = decelerations;
+  return t;
+}
+
 std::vector<Term> terms(const RecordSignals& s) {
   if (!s.ordered || s.is_stationary()) return {};
   Term drive = linear_term(s, "backlash", 0.5 * s.direction,
@@ -62,51 +211,54 @@ std::vector<Term> terms(const RecordSignals& s) {
   load.effect.choices["side"] = "load";
   load.hysteresis = lag;
   load.of_reference = true;
-  return {drive, load};
+  if (s.coupled() || s.measured.size() == 0 || s.acceleration.size() == 0) return {drive, load};
+  return {coasting(s, stops_at_once), drive, load};
 }
 
 }  // namespace
 
 EffectKind backlash_effect() {
-  return {
-      .name = "backlash",
-      .summary = "play between encoder and joint",
-      .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
-      .stage = Stage::gear,
-      .parameters = {{.name = "gap",
-                      .meaning = "full width of the play",
-                      .required = true,
-                      .least = 0,
-                      .most = 10,  // above a revolution, or of a machine tool's size in m
-                      .coordinate = true},
-                     {.name = "side",
-                      .kind = Kind::choice,
-                      .meaning = "side of the play on which the encoder is",
-                      .choices = "drive|load"}},
-      .action = action,
-      .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
-        const double half = 0.5 * e.number("gap");
-        return Share{0, half, half, Spectrum::motion, e.number("gap")};
-      },
-      .in_loop =
-          [](const Effect& e, const Encoder&, LoopReading& r) {
-            r.play += e.number("gap");
-            r.behind_play = lags(e);
+  return {.name = "backlash",
+          .summary = "play between encoder and joint",
+          .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
+          .stage = Stage::gear,
+          .parameters = {{.name = "gap",
+                          .meaning = "full width of the play",
+                          .required = true,
+                          .least = 0,
+                          .most = 10,  // above a revolution, or of a machine tool's size in m
+                          .coordinate = true},
+                         {.name = "deceleration",
+                          .dimension = dimension::angular_acceleration,
+                          .meaning = "of the joint by its own friction while no flank touches it: it coasts; "
+                                     "without this it stops at once",
+                          .least = 0,
+                          .open_below = true},
+                         {.name = "side",
+                          .kind = Kind::choice,
+                          .meaning = "side of the play on which the encoder is",
+                          .choices = "drive|load"}},
+          .action = action,
+          .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+            const double half = 0.5 * e.number("gap");
+            return Share{0, half, half, Spectrum::motion, e.number("gap")};
           },
-      .terms = terms,
-      // The record's side of motion ignores reversals within the reference's noise; the action would not.
-      // While the drive crosses the play the joint stands still: only the readings tell where the drive is.
-      .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
-        const double gap = e.number("gap");
-        if (lags(e)) return {};
-        if (s.readings_drive(gap)) return gap * lead(s.drive(), gap);
-        return 0.5 * gap * s.direction;
-      },
-      // The gear's periodic errors depend on the angle after the play.
-      .first_in_stage = true,
-      .remedy = {true,
-                 "add or subtract half the gap by the last direction of motion; not possible around "
-                 "reversals"}};
+          .in_loop =
+              [](const Effect& e, const Encoder&, LoopReading& r) {
+                r.play += e.number("gap");
+                r.behind_play = lags(e);
+              },
+          .terms = terms,
+          // The record's side of motion ignores reversals within the reference's noise; the action would not.
+          .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
+            if (lags(e)) return {};
+            return e.number("gap") * lead(s, e.number("gap"), deceleration(e));
+          },
+          // The gear's periodic errors depend on the angle after the play.
+          .first_in_stage = true,
+          .remedy = {true,
+                     "add or subtract half the gap by the last direction of motion; not possible around "
+                     "reversals"}};
 }
 
 }  // namespace qerr

@@ -479,6 +479,7 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
     std::vector<Term> of_clock;
     const Evidence own = corrected_evidence(e, estimate, i);
     for (Term& t : named_terms(own)) {
+      if (t.shapes && !t.columns.any()) continue;  // the joint's path does not tell its parameter
       if (t.of_reference) t.hysteresis = nullptr;  // the joint's path, which drives it, is not known
       const bool delays = effect_kind(t.effect.type).stage == Stage::clock;
       if (delays) of_clock.push_back(t = delay_term(own, std::move(t)));
