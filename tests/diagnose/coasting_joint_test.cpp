@@ -63,5 +63,22 @@ TEST(CoastingJoint, IsPlayWithItsDeceleration) {
   }
 }
 
+/// A drive that crosses the play between two rows makes steps of whole counts, to and fro: they are no
+/// losses.
+TEST(CoastingJoint, IsNoLossOfCounts) {
+  Machine m(5);
+  m.rows = 8000, m.rate = 500, m.sines = {{0.5, {3.1, 0}}, {0.05, {10.7, 1}}};
+  m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / m.rate;
+  m.path = m.along(m.time);
+  const double h = 1e-4, gap = 26.1 * m.resolution, deceleration = 1.5;
+  const Column after = m.along(m.time + h), before = m.along(m.time - h), speed = (after - before) / (2 * h);
+  const Column force = (after + before - 2 * m.path) / (h * h) + deceleration * speed.sign();
+  const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(m.path + 0.5 * gap * force.sign())));
+  ASSERT_EQ(d.causes.size(), 1U);
+  EXPECT_LT(d.gain.counts_after, 0.1 * d.gain.counts_before);
+  EXPECT_EQ(d.causes[0].effect.type, "backlash");
+  EXPECT_NEAR(d.causes[0].effect.number("gap") / gap, 1, 0.01);
+}
+
 }  // namespace
 }  // namespace qerr

@@ -48,6 +48,16 @@ double step_at(const Eigen::ArrayXd& error, Eigen::Index k) {
   return middle(error.segment(k, side)) - middle(error.segment(k - side, side));
 }
 
+/// Whether steps go to and fro between two levels, as the drive of a joint that coasts between its flanks
+/// does: losses would by chance once in 32 times.
+bool is_to_and_fro(const std::vector<Loss>& losses) {
+  constexpr std::size_t fewest = 6;
+  if (losses.size() < fewest) return false;
+  for (std::size_t i = 1; i < losses.size(); ++i)
+    if (std::abs(losses[i].counts() + losses[i - 1].counts()) > 1) return false;
+  return true;
+}
+
 /// Steps between two rows, while the joint moves on, that stand out of those of other rows; none if their
 /// sizes are not those of whole numbers.
 std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
@@ -72,8 +82,8 @@ std::vector<Loss> losses_of(const Eigen::ArrayXd& error, const Eigen::ArrayXd& m
   }
   double squares = 0;
   for (const Loss& l : losses) squares += std::pow(l.step - l.counts(), 2);
-  if (squares > near_whole * near_whole * static_cast<double>(losses.size())) return {};
-  return losses;
+  const bool whole = squares <= near_whole * near_whole * static_cast<double>(losses.size());
+  return whole && !is_to_and_fro(losses) ? losses : std::vector<Loss>{};
 }
 
 }  // namespace
