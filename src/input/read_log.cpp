@@ -190,9 +190,10 @@ class LogReader::Rows {
   /// A column whose position may differ by whole turns from another one of its joint.
   struct TurnAlignment {
     Eigen::Index column;
-    double turn;        // in the column's unit
-    double joint_turn;  // the same of the joint [rad]
-    bool of_measured;   // from the reference; else it is a reference or command, and the other is measured
+    double turn;         // in the column's unit
+    double joint_turn;   // the same of the joint [rad]
+    bool of_measured;    // from the reference; else it is a reference or command, and the other is measured
+    bool stays = false;  // only the other is moved
     std::int64_t turns = 0;                   // added to the column
     double lowest = 1e300, highest = -1e300;  // of the column as it is read
     std::optional<double> cut = {};           // below which a table's positions belong to the next turn
@@ -370,30 +371,43 @@ class LogReader::Rows {
     for (TurnAlignment& a : alignments_) align(a, rows);
   }
 
+  /// Whether the column's values are within one turn, and may be those of a sensor that has no more.
+  static bool may_wrap(const TurnAlignment& a) {
+    return a.highest - a.lowest <= 1.01 * std::abs(a.turn) &&
+           (!a.of_measured || std::max(-a.lowest, a.highest) <= std::abs(a.turn));
+  }
+
+  /// Whether a measured position is not moved, but the reference: it counts the turns, or the reference does
+  /// not either.
+  bool keeps_turns(const TurnAlignment& a, const Eigen::ArrayXXd& rows) const {
+    constexpr double revolution = 2 * std::numbers::pi;
+    if (!may_wrap(a)) return true;
+    if (std::abs(a.joint_turn) < 0.99 * revolution) return false;
+    const LogColumn& measured = log.columns[static_cast<std::size_t>(a.column)];
+    const Eigen::Index reference = *log.find(LogSignal::reference, measured.index);
+    if (!is_in_time(measured.index)) return is_within(rows.col(reference), revolution);
+    return measured.wraps.count == 0 || log.columns[static_cast<std::size_t>(reference)].wraps.count > 0;
+  }
+
   /// Removes whole turns between two positions of a joint: of a motion those at the start, of poses those of
   /// every row.
   void align(TurnAlignment& a, Eigen::ArrayXXd& rows) {
     LogColumn& column = log.columns[static_cast<std::size_t>(a.column)];
     const bool first = log.rows == 0, in_time = is_in_time(column.index);
     auto values = rows.col(a.column);
+    if (first) a.stays = a.of_measured && keeps_turns(a, rows);
+    if (a.stays) {
+      if (first && !in_time && may_wrap(a)) a.cut = largest_gap(values, a.turn);
+      if (a.cut) add_turns(a, (values < *a.cut).cast<double>(), rows);
+      return;
+    }
     if (first || !in_time) {
       const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
       const Eigen::ArrayXd other =
           a.of_measured ? Eigen::ArrayXd(rows.col(*log.find(LogSignal::reference, column.index))) : measured;
       const Eigen::ArrayXd own = a.of_measured ? measured : Eigen::ArrayXd(values);
-      const bool wraps = a.highest - a.lowest <= 1.01 * std::abs(a.turn);
-      // Of two sensors with one turn the reference is moved, unless it counts the turns.
-      constexpr double revolution = 2 * std::numbers::pi;
-      if (a.of_measured && (!wraps || std::max(-a.lowest, a.highest) > std::abs(a.turn))) return;
-      if (a.of_measured && std::abs(a.joint_turn) > 0.99 * revolution &&
-          (in_time || is_within(other, revolution))) {
-        if (!in_time && first) a.cut = largest_gap(values, a.turn);
-        if (!in_time && a.cut) add_turns(a, (values < *a.cut).cast<double>(), rows);
-        return;
-      }
-      if (first) a.turns = turns_at_start(other - own, a.joint_turn, in_time);
-      if (first) column.wraps.start = a.turns;
-      if (!in_time && wraps && add_turns_of_rows(a, own, other, rows)) return;
+      if (first) column.wraps.start = a.turns = turns_at_start(other - own, a.joint_turn, in_time);
+      if (!in_time && may_wrap(a) && add_turns_of_rows(a, own, other, rows)) return;
     }
     values += static_cast<double>(a.turns) * a.turn;
   }

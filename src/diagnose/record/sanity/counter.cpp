@@ -299,25 +299,26 @@ void check_turns(Sanity& s, std::size_t encoder) {
 
 namespace {
 
-/// The turns of a reference that wraps were chosen by readings that had overflowed: those are taken with
-/// which the counter has by far the least offset.
+/// The turns of a reference within one turn, or that wraps, were chosen by readings that had overflowed:
+/// others are taken if with them the counter has no offset.
 void choose_turns_of_overflow(Sanity& s, const Eigen::ArrayXd& counts, std::size_t encoder, double modulus) {
   const auto column = s.log.find(LogSignal::reference, encoder);
   if (!column || s.model.chain.independent[encoder].prismatic()) return;
-  Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
-  if (wraps.start == 0 && wraps.count == 0) return;
-  constexpr int most = 3;          // turns of a joint
-  constexpr double by_far = 0.25;  // of the offset with the turns that were chosen
   constexpr double turn = 2 * std::numbers::pi;
+  constexpr int most = 3;  // turns of a joint
+  Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
+  auto reference = s.log.values.col(*column);
+  if (wraps.start == 0 && wraps.count == 0 && peak_to_peak(reference) > turn) return;
   const double offset = (counts - reference_in_counts(s, encoder)).mean();
   const double turn_in_counts = turn / s.model.transmission.encoders[encoder].resolution;
+  const auto offset_with = [&](int turns) {
+    return std::abs(std::remainder(offset - turns * turn_in_counts, modulus));
+  };
+  if (offset_with(0) < slack) return;
   int best = 0;
-  double least = by_far * std::abs(std::remainder(offset, modulus));
   for (int turns = -most; turns <= most; ++turns)
-    if (const double other = std::abs(std::remainder(offset - turns * turn_in_counts, modulus));
-        other < least)
-      best = turns, least = other;
-  s.log.values.col(*column) += best * turn;
+    if (offset_with(turns) < std::min(slack, offset_with(best))) best = turns;
+  reference += best * turn;
   wraps.start += best;
 }
 
