@@ -428,7 +428,9 @@ class LogReader::Rows {
     std::vector<Eigen::Index> order = rows_by_value(other);
     if (time_) std::iota(order.begin(), order.end(), Eigen::Index{0});
     const Eigen::ArrayXd turns = turns_by_difference(own - other, order, a.joint_turn);
-    if (!(fit_line(other, own + turns * a.joint_turn).residual_rms < 0.5 * fit_line(other, own).residual_rms))
+    // No sensor errs by an eighth of a turn, half of what positions have that are unrelated.
+    const double scatter = fit_line(other, own + turns * a.joint_turn).residual_rms;
+    if (!(scatter < 0.5 * fit_line(other, own).residual_rms && 8 * scatter < std::abs(a.joint_turn)))
       return false;
     add_turns(a, turns, rows);
     return true;

@@ -22,21 +22,13 @@ Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::
   for (const double d : difference) sum += std::polar(1.0, 2 * std::numbers::pi * d / turn);
   double last = std::arg(sum) / (2 * std::numbers::pi) * turn;
   Eigen::ArrayXd turns(difference.size());
-  std::vector<Eigen::Index> others;
-  std::vector<double> followed;
   for (const Eigen::Index row : rows) {
     turns[row] = -std::round((difference[row] - last) / turn);
-    const double change = difference[row] + turns[row] * turn - last;
-    if (std::abs(change) < 0.25 * std::abs(turn)) {
-      last += change;
-      followed.push_back(turns[row]);
-    } else {
-      others.push_back(row);
-    }
+    const double now = difference[row] + turns[row] * turn;
+    if (std::abs(now - last) < 0.25 * std::abs(turn)) last = now;
   }
-  const double most = followed.empty() ? 0 : std::round(median(std::move(followed)));
-  for (const Eigen::Index row : others) turns[row] = most;
-  return turns;
+  const Eigen::ArrayXd without = difference + turns * turn;
+  return turns - std::round(median({without.begin(), without.end()}) / turn);
 }
 
 int turns_after(double step, double turn) {

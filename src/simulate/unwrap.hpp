@@ -14,11 +14,10 @@ int turns_after(double step, double turn);
 
 /// Turns to add to positions that are known modulo a turn, by their difference from other readings of the
 /// same positions: along the rows it changes by less than a quarter turn, however far the positions are
-/// apart. A row whose difference changes by more, or is no number of turns from the others', keeps the turns
-/// of most rows.
+/// apart. A row whose difference changes by more has no say in those of the next.
 /// @param difference  of the positions and the others
 /// @param rows  in which errors are alike from one to the next: in time, or by position
-/// @returns such that the first differences are nearest to 0
+/// @returns such that the median difference is within half a turn
 Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::vector<Eigen::Index>& rows,
                                    double turn);
 

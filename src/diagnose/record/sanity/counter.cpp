@@ -241,7 +241,7 @@ void choose_turns_again(Sanity& s, const Eigen::ArrayXd& measured, std::size_t e
   const auto column = s.log.find(LogSignal::reference, encoder);
   if (!column || s.model.chain.independent[encoder].prismatic()) return;
   Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
-  if (wraps.start == 0) return;
+  if (wraps.start == 0 && wraps.count == 0) return;
   constexpr double turn = 2 * std::numbers::pi;
   const Eigen::ArrayXd apart = measured - s.log.values.col(*column);
   const std::int64_t turns = std::llround(median({apart.begin(), apart.end()}) / turn);
