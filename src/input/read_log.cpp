@@ -143,9 +143,7 @@ class LogReader::Rows {
       if (turn > 0 && time_)
         unwraps_.push_back(
             {index, column.signal == LogSignal::counts ? Unwrap::of_counter(turn) : Unwrap::of_angle(turn)});
-      const bool has_turns = column.signal == LogSignal::reference || column.signal == LogSignal::command;
-      if (turn > 0 && has_turns && is_measured(log, transmission_, column.index))
-        alignments_.push_back({index, turn});
+      add_alignment(column, index, turn);
     }
   }
 
@@ -189,12 +187,16 @@ class LogReader::Rows {
   std::vector<std::uint64_t> file_rows;  // of the last block
 
  private:
-  /// A reference or command that may differ from the measured position by whole turns.
+  /// A column whose position may differ by whole turns from another one of its joint.
   struct TurnAlignment {
     Eigen::Index column;
-    double turn;
-    std::int64_t turns = 0;  // added to the column
-    double last = 0;         // last difference from the measured position
+    double turn;         // in the column's unit
+    double joint_turn;   // the same of the joint [rad]
+    bool of_measured;    // from the reference; else it is a reference or command, and the other is measured
+    bool stays = false;  // only the other is moved
+    std::int64_t turns = 0;                   // added to the column
+    double lowest = 1e300, highest = -1e300;  // of the column as it is read
+    std::optional<double> cut = {};           // below which a table's positions belong to the next turn
   };
   /// Largest magnitude of a column's values [SI units].
   struct Bound {
@@ -206,6 +208,23 @@ class LogReader::Rows {
     Eigen::Index column;
     Unwrap unwrap;
   };
+
+  /// Measured positions first: references are moved to what they are then.
+  void add_alignment(const LogColumn& column, Eigen::Index index, double turn) {
+    if (turn == 0) return;
+    const std::size_t i = column.index;
+    if (column.signal == LogSignal::reference || column.signal == LogSignal::command) {
+      if (is_measured(log, transmission_, i)) alignments_.push_back({index, turn, turn, false});
+      return;
+    }
+    const bool counts = column.signal == LogSignal::counts;
+    if (!log.find(LogSignal::reference, i) || !is_uncoupled(transmission_, i) ||
+        (!counts && log.find(LogSignal::counts, i)))
+      return;
+    const auto row = static_cast<Eigen::Index>(i);
+    const double count = transmission_.coupling(row, row) * transmission_.encoders[i].resolution;
+    alignments_.insert(alignments_.begin(), {index, turn, counts ? turn * count : turn, true});
+  }
 
   Bound bound_of(const LogColumn& column, Eigen::Index index) const {
     const double physical = physical_range(column.scale.dimension).largest;
@@ -284,12 +303,58 @@ class LogReader::Rows {
     return median({bend.begin(), bend.end()}) > part * turn;
   }
 
+  /// Leaps of a joint from one row to the next, to which two sensors agree: the motion between is not in the
+  /// log. Others may be nearly a turn, and are no wraps.
+  /// @param turn, other_turn  after which the sensors may start again
+  static Eigen::Index leaps(const Eigen::ArrayXd& x, double turn, const Eigen::ArrayXd& other,
+                            double other_turn) {
+    constexpr double part = 1.0 / 12;  // as of has_poses
+    Eigen::Index count = 0;
+    const auto change = [&](Eigen::Index k, Eigen::Index beside) {  // of the step to a row from another one
+      return std::abs(std::remainder(x[k] - x[k - 1] - (x[beside] - x[beside - 1]), turn)) / turn;
+    };
+    for (Eigen::Index k = 2; k + 1 < x.size(); ++k)
+      count += std::min(change(k, k - 1), change(k, k + 1)) > part &&
+               std::abs(std::remainder(x[k] - x[k - 1] - (other[k] - other[k - 1]), other_turn)) <
+                   0.5 * part * std::abs(other_turn);
+    return count;
+  }
+
+  static bool is_within(const Eigen::ArrayXd& x, double turn) {
+    return x.maxCoeff() - x.minCoeff() <= 1.01 * std::abs(turn);  // as Unwrap::of_angle
+  }
+
+  void find_poses(const Eigen::ArrayXXd& rows) {
+    for (const auto& [column, unwrap] : unwraps_)
+      poses_ = poses_ || has_poses(rows.col(column), unwrap.turn());
+    leaping_.assign(transmission_.encoders.size(), false);
+    for (const TurnAlignment& a : alignments_) {
+      const LogColumn& column = log.columns[static_cast<std::size_t>(a.column)];
+      if (!time_ || column.signal != LogSignal::reference) continue;
+      const auto measured = std::ranges::find_if(alignments_, [&](const TurnAlignment& other) {
+        return other.of_measured && log.columns[static_cast<std::size_t>(other.column)].index == column.index;
+      });
+      const bool both = measured != alignments_.end();
+      const Eigen::Index count =
+          leaps(rows.col(a.column), a.turn, *measured_joint(log, rows, transmission_, column.index),
+                both ? measured->joint_turn : a.turn);
+      // Where the measured position does not wrap, it shows all turns of the reference. Where it does, they
+      // come from the motion, unless the joint dwells between leaps; a few of these are gaps in a record.
+      constexpr Eigen::Index fewest = 3, longest_dwell = 200;
+      leaping_[column.index] = both ? count >= std::max(fewest, rows.rows() / longest_dwell) : count > 0;
+    }
+  }
+
+  bool is_in_time(std::size_t joint) const { return time_ && !poses_ && !leaping_[joint]; }
+
   void remove_turns(Eigen::ArrayXXd& rows) {
-    if (log.rows == 0)
-      for (const auto& [column, unwrap] : unwraps_)
-        poses_ = poses_ || has_poses(rows.col(column), unwrap.turn());
+    if (log.rows == 0) find_poses(rows);
+    for (TurnAlignment& a : alignments_) {
+      a.lowest = std::min(a.lowest, rows.col(a.column).minCoeff());
+      a.highest = std::max(a.highest, rows.col(a.column).maxCoeff());
+    }
     for (auto& [column, unwrap] : unwraps_) {
-      if (poses_) break;
+      if (!is_in_time(log.columns[column].index)) continue;
       Wraps& wraps = log.columns[column].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         std::int64_t before = unwrap.turns();
@@ -306,35 +371,99 @@ class LogReader::Rows {
     for (TurnAlignment& a : alignments_) align(a, rows);
   }
 
-  /// Removes whole turns between a reference and the measured position: the initial ones, and in a table of
-  /// poses those of every row.
-  void align(TurnAlignment& f, Eigen::ArrayXXd& rows) {
-    LogColumn& column = log.columns[f.column];
-    const bool first = log.rows == 0, in_time = time_ && !poses_;
-    if (!first && in_time) {
-      rows.col(f.column) += static_cast<double>(f.turns) * f.turn;
+  /// Whether the column's values are within one turn, and may be those of a sensor that has no more.
+  static bool may_wrap(const TurnAlignment& a) {
+    return a.highest - a.lowest <= 1.01 * std::abs(a.turn) &&
+           (!a.of_measured || std::max(-a.lowest, a.highest) <= std::abs(a.turn));
+  }
+
+  /// Whether a measured position is not moved, but the reference: it counts the turns, or the reference does
+  /// not either.
+  bool keeps_turns(const TurnAlignment& a, const Eigen::ArrayXXd& rows) const {
+    constexpr double revolution = 2 * std::numbers::pi;
+    if (!may_wrap(a)) return true;
+    if (std::abs(a.joint_turn) < 0.99 * revolution) return false;
+    const LogColumn& measured = log.columns[static_cast<std::size_t>(a.column)];
+    const Eigen::Index reference = *log.find(LogSignal::reference, measured.index);
+    if (!is_in_time(measured.index)) return is_within(rows.col(reference), revolution);
+    return measured.wraps.count == 0 || log.columns[static_cast<std::size_t>(reference)].wraps.count > 0;
+  }
+
+  /// Removes whole turns between two positions of a joint: of a motion those at the start, of poses those of
+  /// every row.
+  void align(TurnAlignment& a, Eigen::ArrayXXd& rows) {
+    LogColumn& column = log.columns[static_cast<std::size_t>(a.column)];
+    const bool first = log.rows == 0, in_time = is_in_time(column.index);
+    auto values = rows.col(a.column);
+    if (first) a.stays = a.of_measured && keeps_turns(a, rows);
+    if (a.stays) {
+      if (first && !in_time && may_wrap(a)) a.cut = largest_gap(values, a.turn);
+      if (a.cut) add_turns(a, (values < *a.cut).cast<double>(), rows);
       return;
     }
-    const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
-    if (first) {
-      // The median of some rows: the first one may be far off.
-      const Eigen::ArrayXd apart =
-          (measured - rows.col(f.column)).head(std::min<Eigen::Index>(7, rows.rows()));
-      const double turns_apart = (in_time ? median({apart.begin(), apart.end()}) : apart[0]) / f.turn;
-      if (std::abs(turns_apart - std::round(turns_apart)) < 0.25 && std::abs(turns_apart) < 1e9)
-        column.wraps.start = f.turns = std::llround(turns_apart);
-      f.last = -(turns_apart - static_cast<double>(f.turns)) * f.turn;
+    if (first || !in_time) {
+      const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
+      const Eigen::ArrayXd other =
+          a.of_measured ? Eigen::ArrayXd(rows.col(*log.find(LogSignal::reference, column.index))) : measured;
+      const Eigen::ArrayXd own = a.of_measured ? measured : Eigen::ArrayXd(values);
+      if (first) column.wraps.start = a.turns = turns_at_start(other - own, a.joint_turn, in_time);
+      if (!in_time && may_wrap(a) && add_turns_of_rows(a, own, other, rows)) return;
     }
+    values += static_cast<double>(a.turns) * a.turn;
+  }
+
+  /// Turns between two positions if they differ by whole ones, within a quarter turn.
+  static std::int64_t turns_at_start(const Eigen::ArrayXd& apart, double turn, bool in_time) {
+    // The median of some rows: the first one may be far off.
+    const Eigen::Index some = in_time ? std::min<Eigen::Index>(7, apart.size()) : apart.size();
+    const double turns = median({apart.begin(), apart.begin() + some}) / turn;
+    const bool whole = std::abs(turns - std::round(turns)) < 0.25 && std::abs(turns) < 1e9;
+    return whole ? std::llround(turns) : 0;
+  }
+
+  /// Adds to every row of a column the turns that bring it near the other position, if the line through one
+  /// against the other then has half the scatter, as it has where wraps are removed.
+  bool add_turns_of_rows(TurnAlignment& a, const Eigen::ArrayXd& own, const Eigen::ArrayXd& other,
+                         Eigen::ArrayXXd& rows) {
+    std::vector<Eigen::Index> order = rows_by_value(other);
+    if (time_) std::iota(order.begin(), order.end(), Eigen::Index{0});
+    const Eigen::ArrayXd turns = turns_by_difference(own - other, order, a.joint_turn);
+    // No sensor errs by an eighth of a turn, half of what positions have that are unrelated.
+    const double scatter = fit_line(other, own + turns * a.joint_turn).residual_rms;
+    if (!(scatter < 0.5 * fit_line(other, own).residual_rms && 8 * scatter < std::abs(a.joint_turn)))
+      return false;
+    add_turns(a, turns, rows);
+    return true;
+  }
+
+  /// Where positions modulo a turn are not, as beyond the limits of a joint: the middle of the gap, if it is
+  /// too large for positions at random, and larger than where the turn starts again.
+  static std::optional<double> largest_gap(const Eigen::ArrayXd& x, double turn) {
+    const std::set<double> positions(x.begin(), x.end());
+    const auto n = static_cast<double>(positions.size());
+    double widest = 0, middle = 0, last = *positions.begin();
+    for (const double position : positions) {
+      if (position - last > widest) widest = position - last, middle = 0.5 * (position + last);
+      last = position;
+    }
+    constexpr double probability = 0.01;  // that one of n gaps is as wide
+    const bool by_chance = n * std::pow(1 - std::min(1.0, widest / turn), n - 1) > probability;
+    const bool is_largest = widest > 2 * (turn - (last - *positions.begin()));
+    return by_chance || !is_largest ? std::nullopt : std::optional(middle);
+  }
+
+  /// Adds turns to the rows of a column, and notes where they differ from those of most rows or, in time,
+  /// from those before.
+  void add_turns(TurnAlignment& a, const Eigen::ArrayXd& turns, Eigen::ArrayXXd& rows) {
+    Wraps& wraps = log.columns[static_cast<std::size_t>(a.column)].wraps;
+    if (log.rows == 0) wraps.start = std::llround(time_ ? turns[0] : median({turns.begin(), turns.end()}));
+    double before = static_cast<double>(log.rows == 0 || !time_ ? wraps.start : a.turns);
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-      double& reference = rows(i, f.column);
-      reference += static_cast<double>(f.turns) * f.turn;
-      if (in_time) continue;
-      const int turns = turns_after(reference - measured[i] - f.last, f.turn);
-      reference += turns * f.turn;
-      f.turns += turns;
-      f.last = reference - measured[i];
-      if (turns != 0) note(column.wraps, row_in_file(i), 0);
+      if (turns[i] != before) note(wraps, row_in_file(i), time_ ? log.time_origin + rows(i, *time_) : 0);
+      if (time_) before = turns[i];
     }
+    a.turns = time_ ? std::llround(before) : wraps.start;
+    rows.col(a.column) += turns * a.turn;
   }
 
   LogTable table_;
@@ -344,7 +473,8 @@ class LogReader::Rows {
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;
   std::optional<Eigen::Index> time_;
-  bool poses_ = false;  ///< the rows are no samples of a motion
+  bool poses_ = false;         ///< the rows are no samples of a motion
+  std::vector<bool> leaping_;  ///< joints that leap from one position to the next
   /// Column of counts, and the direction of the counter.
   struct Counts {
     Eigen::Index column;

@@ -1,6 +1,35 @@
 #include "simulate/unwrap.hpp"
 
+#include <complex>
+#include <numbers>
+#include <numeric>
+
+#include "core/statistics.hpp"
+
 namespace qerr {
+
+std::vector<Eigen::Index> rows_by_value(const Eigen::ArrayXd& x) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(x.size()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  std::ranges::stable_sort(rows, {}, [&](Eigen::Index row) { return x[row]; });
+  return rows;
+}
+
+Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::vector<Eigen::Index>& rows,
+                                   double turn) {
+  // The mean direction of the differences as angles of a turn.
+  std::complex<double> sum = 0;
+  for (const double d : difference) sum += std::polar(1.0, 2 * std::numbers::pi * d / turn);
+  double last = std::arg(sum) / (2 * std::numbers::pi) * turn;
+  Eigen::ArrayXd turns(difference.size());
+  for (const Eigen::Index row : rows) {
+    turns[row] = -std::round((difference[row] - last) / turn);
+    const double now = difference[row] + turns[row] * turn;
+    if (std::abs(now - last) < 0.25 * std::abs(turn)) last = now;
+  }
+  const Eigen::ArrayXd without = difference + turns * turn;
+  return turns - std::round(median({without.begin(), without.end()}) / turn);
+}
 
 int turns_after(double step, double turn) {
   if (std::abs(step - turn) < 0.25 * turn) return -1;

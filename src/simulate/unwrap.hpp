@@ -1,14 +1,28 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace qerr {
 
 /// Turns to add after a step of a periodic quantity: -1 if the step is within a quarter turn of +turn, +1 if
 /// it is within a quarter turn of -turn, else 0.
 int turns_after(double step, double turn);
+
+/// Turns to add to positions that are known modulo a turn, by their difference from other readings of the
+/// same positions: along the rows it changes by less than a quarter turn, however far the positions are
+/// apart. A row whose difference changes by more has no say in those of the next.
+/// @param difference  of the positions and the others
+/// @param rows  in which errors are alike from one to the next: in time, or by position
+/// @returns such that the median difference is within half a turn
+Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::vector<Eigen::Index>& rows,
+                                   double turn);
+
+/// The rows by rising value.
+std::vector<Eigen::Index> rows_by_value(const Eigen::ArrayXd&);
 
 /// Unwraps a position that is measured modulo one turn: the angle of a tracker, the count of an absolute
 /// encoder.

@@ -78,6 +78,24 @@ TEST(Sanity, FindsTheModulusOfASmallCounter) {
   }
 }
 
+/// Between the rows of a table, and of a fast motion, a counter may overflow more than once.
+TEST(Sanity, FindsAnOverflowBetweenRowsThatAreFarApart) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const double modulus = std::array<double, 4>{64, 100, 256, 1000}[seed % 4];
+    constexpr Eigen::Index n = 80;
+    Column path(n);
+    for (double& x : path) x = m.between(-3, 4) * modulus * m.resolution;
+    const Column counts = m.counted(path), read = counts - modulus * (counts / modulus).floor();
+    std::vector<Written> columns{{LogSignal::counts, read, 0}, {LogSignal::reference, path, 9}};
+    if (seed % 2 == 0) columns.insert(columns.begin(), {LogSignal::time, m.time.head(n), 7});
+    const Sanity s = check_sanity(model_of(m), {}, log_of(columns));
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.number("modulus"), modulus) << "seed " << seed;
+    EXPECT_LT(s.causes[0].gain.rms_after, 0.6 * m.resolution) << "seed " << seed;
+  }
+}
+
 /// A jump of the reference alone is none of the counter, however large, also beside a true overflow.
 TEST(Sanity, DoesNotTreatSingleCellsOfTheReferenceAsOverflows) {
   for (unsigned seed = 1; seed <= 30; ++seed) {

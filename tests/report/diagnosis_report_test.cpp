@@ -162,6 +162,9 @@ TEST(DiagnosisReport, ListsUnwrappedColumns) {
   r.log.columns.push_back(column);
   EXPECT_EQ(json(r)["log"]["unwrapped"][0]["column"], "elbow.reference [rad]");
   EXPECT_NE(table(r).find("unwrapped: elbow.reference [rad], 3 full turns"), std::string::npos);
+  column.signal = LogSignal::reference;
+  r.log.columns = {column};
+  EXPECT_NE(table(r).find("unwrapped: elbow.reference [rad], whole turns in 3 rows"), std::string::npos);
 }
 
 TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {

@@ -198,6 +198,63 @@ TEST_F(ReadLog, InATableTheReferenceFollowsTheMeasuredPositionInAnyOrderOfRows) 
   }
 }
 
+/// Positions over several turns in random order, of one or the other sensor modulo a turn.
+TEST_F(ReadLog, InATableTheSensorThatWrapsFollowsTheOther) {
+  std::mt19937_64 dice(5);
+  std::uniform_real_distribution<double> anywhere(-3.4 * pi, 5.2 * pi);
+  for (const bool absolute : {false, true})
+    for (const double scale : {1.0, 1.01}) {
+      spec = spec_with(std::string("'*': ") + (absolute ? "{bits: 14}" : "{counts_per_rev: 16384}") +
+                       ", lift: {resolution: 10 um}");
+      std::vector<double> angles;
+      std::string text = "wrist.counts,wrist.reference [rad]\n";
+      for (int i = 0; i < 60; ++i) {
+        angles.push_back(anywhere(dice));
+        const double counts = std::round(scale * angles.back() / (2 * pi) * 16384);
+        text += std::to_string(std::lround(absolute ? wrapped(counts, 16384, 0) : counts)) + ',' +
+                std::to_string(absolute ? angles.back() : wrapped(angles.back(), 2 * pi, -pi)) + '\n';
+      }
+      const Log log = read(text);
+      const auto counts = values(log, LogSignal::counts, 3), reference = values(log, LogSignal::reference, 3);
+      for (Eigen::Index i = 0; i < 60; ++i) {
+        ASSERT_NEAR(reference[i], angles[static_cast<std::size_t>(i)], 1e-6) << absolute << scale << i;
+        ASSERT_NEAR(counts[i] / 16384 * 2 * pi, scale * reference[i], 3e-4) << absolute << scale << i;
+      }
+    }
+}
+
+/// The joint goes from one position to the next between two rows, by nearly a turn, and dwells.
+TEST_F(ReadLog, TakesALeapOfBothSensorsForNoWrap) {
+  std::string text = "time [s],wrist.counts,wrist.reference [rad]\n";
+  const double angles[] = {0.3, 1.5, -2.9, 2.8, 0.2, -3.0, 2.9, 1.1};
+  for (int i = 0; i < 80; ++i) {
+    const double angle = angles[i / 10];
+    text += std::to_string(0.1 * i) + ',' + std::to_string(std::lround(angle / (2 * pi) * 4096)) + ',' +
+            std::to_string(angle) + '\n';
+  }
+  spec = spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}");
+  const Log log = read(text);
+  for (Eigen::Index i = 0; i < 80; ++i)
+    ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], angles[i / 10], 1e-6) << i;
+}
+
+/// In which of three turns the shaft of an absolute encoder starts is not known.
+TEST_F(ReadLog, MovesAnAbsoluteEncoderBehindAGearToTheTurnOfTheReference) {
+  spec = spec_with("'*': {bits: 14, gear_ratio: 3}, lift: {resolution: 10 um}");
+  std::string text = "time [s],wrist.counts,wrist.reference [rad]\n";
+  for (int i = 0; i < 100; ++i) {
+    const double angle = 2.8 + 0.01 * i;
+    text += std::to_string(0.1 * i) + ',' +
+            std::to_string(std::lround(wrapped(std::round(3 * angle / (2 * pi) * 16384), 16384, 0))) + ',' +
+            std::to_string(angle) + '\n';
+  }
+  const Log log = read(text);
+  EXPECT_EQ(log.columns[1].wraps.start, 1);
+  for (Eigen::Index i = 0; i < 100; ++i)
+    ASSERT_NEAR(values(log, LogSignal::counts, 3)[i] / 3 / 16384 * 2 * pi,
+                2.8 + 0.01 * static_cast<double>(i), 1e-4);
+}
+
 TEST(Unwrap, TakesAJumpByAWholeTurnForNoWrapOfACounter) {
   constexpr double turn = 4096;
   Unwrap at_rest = Unwrap::of_counter(turn), on_the_edge = Unwrap::of_counter(turn);

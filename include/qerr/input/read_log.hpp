@@ -68,9 +68,10 @@ struct LogOptions {
 /// `reference`, `measured` and `command` of revolute joints, and `counts` of encoders that are absolute
 /// within a revolution, are unwrapped (`Unwrap`). Jumps of an incremental counter are kept: they are faults
 /// to be diagnosed. If a reference or command starts a whole number of turns (within a quarter turn) away
-/// from the measured position, these turns are removed from all its rows. In a table without time, whose rows
-/// have no order, a turn is removed wherever the difference of reference and measured position steps by about
-/// a turn.
+/// from the measured position, these turns are removed from all its rows; from the measured position if it
+/// alone wraps, or starts again within a turn of the joint. In a table without time, whose rows have no
+/// order, and where the joint leaps from one row to the next, turns are those of the difference of reference
+/// and measured position (`turns_by_difference`).
 class LogReader {
  public:
   /// Reads the headers. `-` is standard input.

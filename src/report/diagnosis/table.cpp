@@ -288,13 +288,24 @@ std::vector<double> divided(std::vector<double> values, double factor) {
 
 }  // namespace
 
+namespace {
+
+/// The turns that were removed from a column of a log, in words.
+std::string turns_words(const Wraps& w, bool has_time) {
+  const std::string start = std::to_string(w.start);
+  if (has_time) return counted(w.count, "full turn") + (w.start ? ", " + start + " at the start" : "");
+  if (w.count == 0) return start + " in all rows";
+  return "whole turns in " + counted(w.count, "row") + (w.start ? ", " + start + " in the others" : "");
+}
+
+}  // namespace
+
 std::string record_words(const Log& log) {
   std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
   if (log.has_time()) out += " over " + significant(log.last_time - log.first_time, 4) + " s";
   for (const LogColumn& c : log.columns)
     if (c.wraps.count > 0 || c.wraps.start != 0)
-      out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +
-             (c.wraps.start ? ", " + std::to_string(c.wraps.start) + " at the start" : "");
+      out += "\n  unwrapped: " + escaped(c.header) + ", " + turns_words(c.wraps, log.has_time());
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
+#include "simulate/unwrap.hpp"
 
 /// Faults of the counter behind the encoder: it overflows, or it counts other edges than the spec says.
 namespace qerr::sanity {
@@ -166,13 +167,6 @@ struct Unwrapped {
   Eigen::ArrayXd counts, overflows;  ///< overflows: signed number up to each row
   OverflowPoint overflow_point;
 
-  /// First row after an overflow.
-  Eigen::Index first() const {
-    Eigen::Index k = 0;
-    while (k + 1 < overflows.size() && overflows[k] == 0) ++k;
-    return k;
-  }
-
   Unwrapped(const Eigen::ArrayXd& read, const Eigen::ArrayXd& jumps, double modulus)
       : counts(read), overflows(Eigen::ArrayXd::Zero(read.size())) {
     for (Eigen::Index k = 1; k < counts.size(); ++k) {
@@ -184,6 +178,51 @@ struct Unwrapped {
   }
 };
 
+/// An overflow of a counter.
+struct Overflow {
+  double modulus = 0;
+  Eigen::ArrayXd counts, overflows;  ///< counts: without it; overflows: signed number up to each row
+  double p_value = 1;
+};
+
+/// The overflow of a counter between rows that may be more than half of its modulus apart, as poses are:
+/// counts - reference has levels, whole moduli apart, and the counts have the range of the modulus, which is
+/// shorter than that of the reference.
+/// @param order  of the rows: in time, or by position
+std::optional<Overflow> overflow_by_levels(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference,
+                                           const std::vector<Eigen::Index>& order) {
+  constexpr double longer = 1.05;  // than the counts go: beyond a scale error
+  const double range = peak_to_peak(counts) + 1;
+  if (peak_to_peak(reference) < longer * range) return std::nullopt;
+  const Eigen::ArrayXd apart = counts - reference;
+  // Counts at random fill three quarters of their modulus but for 3 % of all sets of 16 rows.
+  std::vector<double> steps;
+  const std::vector<Eigen::Index> by_position = rows_by_value(reference);
+  for (std::size_t k = 1; k < by_position.size(); ++k) {
+    const double step = std::abs(apart[by_position[k]] - apart[by_position[k - 1]]);
+    if (step > range - slack && step < range / 0.75) steps.push_back(step);
+  }
+  if (steps.empty()) return std::nullopt;
+  Overflow o;
+  o.modulus = std::round(median(std::move(steps)));
+  const double nearest = std::exp2(std::round(std::log2(o.modulus)));
+  const bool power = nearest >= range && std::abs(o.modulus - nearest) <= std::max(4.0, 0.01 * nearest);
+  if (power) o.modulus = nearest;
+  if (o.modulus < std::max(least_modulus, range)) return std::nullopt;
+  o.overflows = turns_by_difference(apart, order, o.modulus);
+  if (!power) o.modulus = std::max(range, std::round(-fit_line(o.overflows, apart).slope));
+  o.counts = counts + o.overflows * o.modulus;
+  const double interval = peak_to_peak(o.counts - reference);
+  // As many rows as a record may have single readings far off are no level.
+  const Eigen::Index n = counts.size(), fewest = std::max<Eigen::Index>(3, n / 50);
+  const double most = median({o.overflows.begin(), o.overflows.end()});
+  if (interval > 0.5 * o.modulus || (o.overflows != most).count() < fewest) return std::nullopt;
+  // Probability that n differences at random hold to such an interval, modulo the modulus.
+  const auto others = static_cast<double>(n - 1);
+  o.p_value = std::exp(std::log(others + 1) + others * std::log(interval / o.modulus));
+  return o;
+}
+
 /// Adds the multiple of the modulus that brings unwrapped counts nearest to the reference [counts].
 void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference, const Encoder& encoder,
                           double modulus) {
@@ -191,28 +230,10 @@ void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& referenc
     counts += modulus * std::round((reference - counts).mean() / modulus);
 }
 
-/// Silently undoes a specified rollover, unless the counter overflows at another modulus.
-void undo_specified_rollover(Sanity& s, std::size_t encoder) {
-  const Effect* effect = specified_effect(s, encoder, rollover_effect().name);
-  if (!effect || !has_counts(s, encoder)) return;
-  auto read = recorded_counts(s, encoder);
-  const double modulus = effect->number("modulus");
-  remove_effect(s, effect);
-  const Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
-  const Eigen::ArrayXd jumps = jumps_of_counter(jumps_of(read->counts, reference), read->counts);
-  const double observed = modulus_of(jumps, least_jump(read->counts)).counts;
-  const bool other =
-      observed > 0 && std::abs(observed - modulus) > std::max(2 * slack, relative_slack * modulus);
-  if (other || peak_to_peak(read->counts) > modulus + slack) return;
-  read->counts = Unwrapped(read->counts, jumps, modulus).counts;
-  align_with_reference(read->counts, reference, model, modulus);
-  write_back(s, *read, encoder);
+/// The rows in time; those of a table, which have no order, by their position.
+std::vector<Eigen::Index> rows_in_order(const Sanity& s, const Eigen::ArrayXd& reference) {
+  return rows_by_value(s.log.has_time() ? Eigen::ArrayXd::LinSpaced(reference.size(), 0, 1) : reference);
 }
-
-}  // namespace
-
-namespace {
 
 /// The whole turns by which the reader has moved a reference were chosen by the readings before they were
 /// decoded.
@@ -220,17 +241,13 @@ void choose_turns_again(Sanity& s, const Eigen::ArrayXd& measured, std::size_t e
   const auto column = s.log.find(LogSignal::reference, encoder);
   if (!column || s.model.chain.independent[encoder].prismatic()) return;
   Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
-  if (wraps.start == 0) return;
+  if (wraps.start == 0 && wraps.count == 0) return;
   constexpr double turn = 2 * std::numbers::pi;
   const Eigen::ArrayXd apart = measured - s.log.values.col(*column);
   const std::int64_t turns = std::llround(median({apart.begin(), apart.end()}) / turn);
   s.log.values.col(*column) += static_cast<double>(turns) * turn;
   wraps.start += turns;
 }
-
-}  // namespace
-
-namespace {
 
 /// From here on the readings are judged in steps of several counts, as are the losses that the spec states.
 void judge_in_steps(Sanity& s, RecordedCounts& read, std::size_t encoder, double counts) {
@@ -280,54 +297,134 @@ void check_turns(Sanity& s, std::size_t encoder) {
   }
 }
 
+namespace {
+
+/// The turns of a reference within one turn, or that wraps, were chosen by readings that had overflowed:
+/// others are taken if with them the counter has no offset.
+void choose_turns_of_overflow(Sanity& s, const Eigen::ArrayXd& counts, std::size_t encoder, double modulus) {
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!column || s.model.chain.independent[encoder].prismatic()) return;
+  constexpr double turn = 2 * std::numbers::pi;
+  constexpr int most = 3;  // turns of a joint
+  Wraps& wraps = s.log.columns[static_cast<std::size_t>(*column)].wraps;
+  auto reference = s.log.values.col(*column);
+  if (wraps.start == 0 && wraps.count == 0 && peak_to_peak(reference) > turn) return;
+  const double offset = (counts - reference_in_counts(s, encoder)).mean();
+  const double turn_in_counts = turn / s.model.transmission.encoders[encoder].resolution;
+  const auto offset_with = [&](int turns) {
+    return std::abs(std::remainder(offset - turns * turn_in_counts, modulus));
+  };
+  if (offset_with(0) < slack) return;
+  int best = 0;
+  for (int turns = -most; turns <= most; ++turns)
+    if (offset_with(turns) < std::min(slack, offset_with(best))) best = turns;
+  reference += best * turn;
+  wraps.start += best;
+}
+
+/// The overflow of a counter that moves less than half of its modulus from row to row.
+std::optional<Overflow> overflow_by_jumps(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+  Eigen::ArrayXd jumps = jumps_of(counts, reference);
+  // The counts themselves have no noise of the reference.
+  const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps, least_jump(counts));
+  jumps = noisy ? jumps_of(counts, {}) : jumps_of_counter(std::move(jumps), counts);
+  auto [modulus, power_of_two] = modulus_of(jumps, least_jump(counts));
+  // The range of a counter is its modulus.
+  if (modulus == 0 || peak_to_peak(counts) > modulus + slack) return std::nullopt;
+  Unwrapped unwrapped(counts, jumps, modulus);
+  const OverflowPoint& point = unwrapped.overflow_point;
+  if (point.overflows == 0 || point.low > point.high) return std::nullopt;
+  // A few jumps at any count may be lost counts, but not at the end of a word or by a power of two >= 2^15.
+  const bool of_word = modulus >= least_word && point.at_end_of_word(modulus);
+  if (!of_word && point.overflows < 5 && !(power_of_two && modulus >= signed_word)) return std::nullopt;
+  // A counter that is right follows even a noisy reference better than one that is unwrapped by mistake.
+  if (noisy && standard_deviation(unwrapped.counts - reference) > standard_deviation(counts - reference))
+    return std::nullopt;
+  if (reference.size() > 0 && !power_of_two && !noisy) {
+    // A jump may be off by some counts; the difference between levels is exact.
+    modulus = std::round(-fit_line(unwrapped.overflows, counts - reference).slope);
+    unwrapped = Unwrapped(counts, jumps, modulus);
+  }
+  // Probability that a jump at a uniformly random count lies as near to the common overflow point.
+  const double probability = std::min(1.0, 2 * (point.high - point.low) / modulus);
+  const double p_value = std::pow(probability, point.overflows);
+  return Overflow{modulus, std::move(unwrapped.counts), std::move(unwrapped.overflows), p_value};
+}
+
+/// Whether counts without overflow differ from the reference by less than a half modulus, but for single
+/// readings.
+bool is_without_levels(const Overflow& o, const Eigen::ArrayXd& reference) {
+  if (reference.size() == 0) return true;
+  const Eigen::ArrayXd apart = o.counts - reference;
+  const double middle = median({apart.begin(), apart.end()});
+  return ((apart - middle).abs() < 0.25 * o.modulus).count() > apart.size() - apart.size() / 50;
+}
+
+/// Silently undoes a specified rollover, unless the counter overflows at another modulus.
+void undo_specified_rollover(Sanity& s, std::size_t encoder) {
+  const Effect* effect = specified_effect(s, encoder, rollover_effect().name);
+  if (!effect || !has_counts(s, encoder)) return;
+  auto read = recorded_counts(s, encoder);
+  const double modulus = effect->number("modulus");
+  remove_effect(s, effect);
+  const Encoder& model = s.model.transmission.encoders[encoder];
+  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
+  const Eigen::ArrayXd jumps = jumps_of_counter(jumps_of(read->counts, reference), read->counts);
+  const double observed = modulus_of(jumps, least_jump(read->counts)).counts;
+  const bool other =
+      observed > 0 && std::abs(observed - modulus) > std::max(2 * slack, relative_slack * modulus);
+  if (other || peak_to_peak(read->counts) > modulus + slack) return;
+  Unwrapped unwrapped(read->counts, jumps, modulus);
+  Overflow specified{modulus, std::move(unwrapped.counts), std::move(unwrapped.overflows)};
+  if (!is_without_levels(specified, reference))
+    specified.counts = read->counts + modulus * turns_by_difference(read->counts - reference,
+                                                                    rows_in_order(s, reference), modulus);
+  read->counts = std::move(specified.counts);
+  align_with_reference(read->counts, reference, model, modulus);
+  write_back(s, *read, encoder);
+}
+
+}  // namespace
+
 void check_rollover(Sanity& s, std::size_t encoder) {
   undo_specified_rollover(s, encoder);
   auto read = recorded_counts(s, encoder);
   if (!read) return;
   const Encoder& model = s.model.transmission.encoders[encoder];
-  const double step = model.resolution;
   if (!may_overflow(read->counts)) return;
   const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
-  Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
-  // The counts themselves have no noise of the reference.
-  const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps, least_jump(read->counts));
-  jumps = noisy ? jumps_of(read->counts, {}) : jumps_of_counter(std::move(jumps), read->counts);
-  auto [modulus, power_of_two] = modulus_of(jumps, least_jump(read->counts));
-  // The range of a counter is its modulus.
-  if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;
-  Unwrapped unwrapped(read->counts, jumps, modulus);
-  const OverflowPoint& point = unwrapped.overflow_point;
-  if (point.overflows == 0 || point.low > point.high) return;
-  // A few jumps at any count may be lost counts, but not at the end of a word or by a power of two >= 2^15.
-  const bool of_word = modulus >= least_word && point.at_end_of_word(modulus);
-  if (!of_word && point.overflows < 5 && !(power_of_two && modulus >= signed_word)) return;
-  // A counter that is right follows even a noisy reference better than one that is unwrapped by mistake.
-  if (noisy &&
-      standard_deviation(unwrapped.counts - reference) > standard_deviation(read->counts - reference))
-    return;
+  std::optional<Overflow> found;
+  if (s.log.has_time()) found = overflow_by_jumps(read->counts, reference);
+  if (reference.size() > 0 && (!found || !is_without_levels(*found, reference)))
+    if (auto levels = overflow_by_levels(read->counts, reference, rows_in_order(s, reference)))
+      found = std::move(levels);
+  if (!found) return;
   double before = 0, after = 0;
   if (reference.size() > 0) {
-    if (!power_of_two &&
-        !noisy) {  // a jump may be off by some counts; the difference between levels is exact
-      modulus = std::round(-fit_line(unwrapped.overflows, read->counts - reference).slope);
-      unwrapped = Unwrapped(read->counts, jumps, modulus);
-    }
-    align_with_reference(unwrapped.counts, reference, model, modulus);
-    before = rms(read->counts - reference) * step;
-    after = rms(unwrapped.counts - reference) * step;
+    choose_turns_of_overflow(s, found->counts, encoder, found->modulus);
+    const Eigen::ArrayXd chosen = reference_in_counts(s, encoder);
+    align_with_reference(found->counts, chosen, model, found->modulus);
+    before = rms(read->counts - reference) * model.resolution;
+    after = rms(found->counts - chosen) * model.resolution;
   }
-  // Probability that a jump at a uniformly random count lies as near to the common overflow point.
-  const double probability = std::min(1.0, 2 * (point.high - point.low) / modulus);
-  s.causes.push_back(exact_cause(s, encoder, rollover_effect().name, {{"modulus", modulus}},
-                                 std::min(1e-6, std::pow(probability, point.overflows)), before, after));
-  const Eigen::Index first = unwrapped.first();
-  const std::uint64_t number = static_cast<std::uint64_t>(point.overflows);
-  s.data.push_back({"the counter overflows at " + significant(modulus, 12) + ' ' +
-                        (number == 1 ? "once" : std::to_string(number) + " times"),
-                    s.model.chain.independent[encoder].name, s.log.row_number(first) + 1, time_of(s, first),
-                    "add the modulus at each overflow where the counts are read, or state the effect in the "
-                    "spec"});
-  read->counts = std::move(unwrapped.counts);
+  s.causes.push_back(exact_cause(s, encoder, rollover_effect().name, {{"modulus", found->modulus}},
+                                 std::min(1e-6, found->p_value), before, after));
+  // The rows of a table have no order: those are told whose count is not that of most.
+  const Eigen::ArrayXd& overflows = found->overflows;
+  const double most = median({overflows.begin(), overflows.end()});
+  Eigen::Index first = -1, number = 0;
+  for (Eigen::Index k = 0; k < overflows.size(); ++k) {
+    const bool differs = s.log.has_time() ? k > 0 && overflows[k] != overflows[k - 1] : overflows[k] != most;
+    if (differs && number++ == 0) first = k;
+  }
+  const std::string times = number == 1 ? "once" : std::to_string(number) + " times";
+  s.data.push_back(
+      {"the counter overflows at " + significant(found->modulus, 12) + ' ' +
+           (s.log.has_time() ? times
+                             : "in " + counted(static_cast<std::uint64_t>(number), "row") + " of the table"),
+       s.model.chain.independent[encoder].name, s.log.row_number(first) + 1, time_of(s, first),
+       "add the modulus at each overflow where the counts are read, or state the effect in the spec"});
+  read->counts = std::move(found->counts);
   write_back(s, *read, encoder);
 }
 
