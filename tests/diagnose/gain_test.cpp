@@ -59,7 +59,7 @@ TEST(Gain, OfAnEccentricDiscIsLimitedByQuantization) {
   const Evidence e = swing(3, eccentric);
   const auto starts = independent_rows(e, 1);
   const Evidence few = group_means(e, starts);
-  const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
+  const Gain g = gain({hold_out(e, few, starts, explained(few).terms())}, 1);
   const double left = std::hypot(resolution / std::sqrt(12.0), 0.05 * resolution);
   EXPECT_TRUE(g.held_out);
   EXPECT_NEAR(g.rms_before, std::sqrt((e.measured - e.reference).square().mean()), 1e-12);
@@ -82,7 +82,7 @@ TEST(Gain, OfASpuriousTermIsNoGainOnHeldOutBlocks) {
   const Evidence e = swing(4, 0);
   const auto starts = independent_rows(e, 1);
   const Evidence few = group_means(e, starts);
-  const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
+  const Gain g = gain({hold_out(e, few, starts, explained(few).terms())}, 1);
   EXPECT_NEAR(g.ratio(), 1, 0.01);
   EXPECT_LT(g.log_score, 0.01);
 }
@@ -107,7 +107,7 @@ TEST(Gain, OfColumnsOfNoiseIsAboveOneOnlyInTheRowsToWhichTheyAreFitted) {
     m.fit();
     const Eigen::ArrayXd residual = few.measured - few.reference;
     EXPECT_GT(std::sqrt(residual.square().mean() / (residual - m.addition()).square().mean()), 1.03) << seed;
-    const Gain g = gain({hold_out(e, few, single, m)}, 1);
+    const Gain g = gain({hold_out(e, few, single, m.terms())}, 1);
     EXPECT_TRUE(g.held_out);
     EXPECT_LT(g.ratio(), 0.97) << seed;
     EXPECT_LT(g.log_score, 0) << seed;

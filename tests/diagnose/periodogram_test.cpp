@@ -48,18 +48,21 @@ TEST(Periodogram, HasThePowerOfEveryRate) {
 // Columns that are zero in whole blocks of rows, as a table in time has them, are left out of products there.
 TEST(WeightedGram, IsThatOfAllRows) {
   Dice dice(3);
-  const Eigen::Index rows = 1700, count = 21;
-  Eigen::MatrixXd z = Eigen::MatrixXd::Zero(rows, count + 2);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index first = i < 4 ? 0 : 80 * i, last = i < 4 ? rows : std::min(rows, first + 300);
-    for (Eigen::Index k = first; k < last; ++k) z(k, i) = dice.between(-1, 1);
+  const Eigen::Index count = 21;
+  for (const Eigen::Index rows : {1, 7, 503, 504, 505, 1700}) {
+    Eigen::MatrixXd z = Eigen::MatrixXd::Zero(rows, count + 2);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::Index first = i < 4 ? 0 : 80 * i, last = i < 4 ? rows : std::min(rows, first + 300);
+      for (Eigen::Index k = first; k < last; ++k) z(k, i) = dice.between(-1, 1);
+    }
+    Eigen::VectorXd weight(rows);
+    for (Eigen::Index k = 0; k < rows; ++k) weight[k] = dice.between(0, 2), z(k, count) = dice.between(-1, 1);
+    z.col(count + 1).setOnes();
+    const Eigen::MatrixXd expected = z.transpose() * weight.asDiagonal() * z;
+    EXPECT_LT((weighted_gram(z.leftCols(count), z.col(count), weight) - expected).cwiseAbs().maxCoeff(),
+              1e-11 * static_cast<double>(rows))
+        << rows;
   }
-  Eigen::VectorXd weight(rows);
-  for (Eigen::Index k = 0; k < rows; ++k) weight[k] = dice.between(0, 2), z(k, count) = dice.between(-1, 1);
-  z.col(count + 1).setOnes();
-  const Eigen::MatrixXd expected = z.transpose() * weight.asDiagonal() * z;
-  EXPECT_LT((weighted_gram(z.leftCols(count), z.col(count), weight) - expected).cwiseAbs().maxCoeff(),
-            1e-11 * static_cast<double>(rows));
 }
 
 TEST(LinearModel, SearchesThatMeetEndTogether) {

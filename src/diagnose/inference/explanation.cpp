@@ -8,26 +8,9 @@
 
 #include "core/solve.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "diagnose/search/linear_model.hpp"
 
 namespace qerr {
-
-Eigen::MatrixXd weighted_square(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& weight) {
-  constexpr Eigen::Index few_columns = 8, rows_at_once = 64;
-  if (columns.cols() <= few_columns) return columns.transpose() * weight.matrix().asDiagonal() * columns;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  std::vector<Eigen::Index> present;
-  Eigen::MatrixXd part, weighted;
-  for (Eigen::Index first = 0; first < columns.rows(); first += rows_at_once) {
-    const Eigen::Index rows = std::min(rows_at_once, columns.rows() - first);
-    present.clear();
-    for (Eigen::Index c = 0; c < columns.cols(); ++c)
-      if ((columns.col(c).segment(first, rows).array() != 0).any()) present.push_back(c);
-    part = columns(Eigen::seqN(first, rows), present);
-    weighted = weight.segment(first, rows).matrix().asDiagonal() * part;
-    sum(present, present) += part.transpose() * weighted;
-  }
-  return sum;
-}
 
 namespace {
 
@@ -80,26 +63,6 @@ double Explanation::mean_offset() const {
   return 0;
 }
 
-double Explanation::gain(const Term& t) const {
-  Eigen::MatrixXd extra = t.columns.matrix();
-  if (t.fixed.size() > 0) {
-    extra.conservativeResize(Eigen::NoChange, extra.cols() + 1);
-    extra.rightCols(1) = t.fixed.matrix();
-  }
-  Eigen::MatrixXd information = weighted_square(extra, plain_.curvature);
-  const Eigen::VectorXd alone = information.diagonal();
-  Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
-  if (columns_.cols() > 0) {
-    const Eigen::MatrixXd shared = weighted_.transpose() * extra;
-    information -= shared.transpose() * present_.solve_columns(shared);
-    score -= shared.transpose() * present_.solve(columns_.transpose() * plain_.score.matrix());
-  }
-  // The gain of a column in the span of the model is zero.
-  if ((information.diagonal().array() <= 1e-9 * alone.array()).any()) return 0;
-  information.diagonal().array() *= 1 + 1e-10;
-  return 0.5 * score.dot(solve_symmetric(information, score));
-}
-
 double Explanation::variance_inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
@@ -141,9 +104,11 @@ void Explanation::initialize(Eigen::VectorXd& unit) {
   const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
   Eigen::ArrayXd residual = middle.array();
   if (columns_.cols() > 0) {
-    Eigen::MatrixXd normal = weighted_square(columns_, weight);
+    const Eigen::Index n = columns_.cols();
+    const Eigen::MatrixXd gram = weighted_gram(columns_, middle, weight.matrix());
+    Eigen::MatrixXd normal = gram.topLeftCorner(n, n);
     normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
-    unit = solve_symmetric(normal, columns_.transpose() * (weight.matrix().asDiagonal() * middle));
+    unit = solve_symmetric(normal, gram.col(n).head(n));
     residual -= (columns_ * unit).array();
   }
   sigma_ = std::clamp(std::sqrt((residual.square() * weight).mean()), least_noise(), spread_);
@@ -159,7 +124,9 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
     // In units of the present sigma: x = sigma u, w = 1.
     Eigen::MatrixXd hessian(n + 1, n + 1);
     Eigen::VectorXd gradient(n + 1);
-    hessian.topLeftCorner(n, n) = weighted_square(columns_, likelihood_.curvature);
+    const Eigen::MatrixXd gram =
+        weighted_gram(columns_, likelihood_.score.matrix(), likelihood_.curvature.matrix());
+    hessian.topLeftCorner(n, n) = gram.topLeftCorner(n, n);
     hessian.col(n).head(n) = columns_.transpose() * likelihood_.cross.matrix();
     hessian.row(n).head(n) = hessian.col(n).head(n).transpose();
     hessian(n, n) = likelihood_.scale_curvature;
@@ -284,13 +251,6 @@ void Explanation::fit() {
   fit_plainly();
   fit_along_path();
   fit_nonlinear();
-  plain_ = likelihood_;
-  plain_sigma_ = sigma_;
-  weighted_ = plain_.curvature.matrix().asDiagonal() * columns_;
-  Eigen::MatrixXd normal = columns_.transpose() * weighted_;
-  normal.diagonal().array() *= 1 + 1e-10;
-  normal.diagonal().array() += 1e-300;
-  present_ = SymmetricFactor(normal);
   const Eigen::VectorXd scale = assemble_columns();
   Eigen::VectorXd unit = beta_.cwiseProduct(scale);
   maximize(unit, outlier_part);

@@ -3,19 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/solve.hpp"
 #include "diagnose/inference/interval_likelihood.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "effect/term.hpp"
 
 namespace qerr {
-
-/// columns' diag(weight) columns.
-///
-/// Efficient for sparse tables with two non-zero columns in each row: rows are processed in blocks, and
-/// columns that are zero throughout a block are skipped. The result differs from the plain product by
-/// rounding.
-Eigen::MatrixXd weighted_square(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& weight);
 
 /// Model of one encoder's readings: the path, a sum of terms and Gaussian noise, quantized.
 ///
@@ -29,9 +21,6 @@ class Explanation {
   void remove(std::size_t term);
   void fit();
 
-  /// Log-likelihood gain of one Newton step with a further term.
-  double gain(const Term&) const;
-
   /// Variance of the score of columns, estimated from sums over blocks, over its variance for residuals that
   /// are independent from row to row.
   double variance_inflation(const Eigen::ArrayXXd& columns) const;
@@ -41,7 +30,6 @@ class Explanation {
   const Eigen::ArrayXd& addition() const { return x_; }  ///< sum of all terms
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
-  double plain_noise() const { return plain_sigma_; }  ///< fitted without outliers
   /// Standard deviation about the path, row by row: the noise, widened by the spec's random effects.
   Eigen::ArrayXd scatter() const { return sigma_ * relative_; }
   /// Expected fraction of outliers.
@@ -49,7 +37,6 @@ class Explanation {
   const IntervalLikelihood& likelihood() const { return likelihood_; }
   const Intervals& intervals() const { return intervals_; }
   double mean_offset() const;  ///< of the constant term
-  const IntervalLikelihood& plain() const { return plain_; }
 
  private:
   Eigen::Index first_coefficient(std::size_t term) const;
@@ -74,11 +61,8 @@ class Explanation {
   Eigen::ArrayXd relative_;  ///< random sigma of each row over the residual noise of the reference
   Eigen::ArrayXd x_;
   double spread_ = 0;
-  double sigma_ = 0, plain_sigma_ = 0;
+  double sigma_ = 0;
   IntervalLikelihood likelihood_;  ///< with outliers
-  IntervalLikelihood plain_;       ///< without: apparent outliers may be the effect that is sought
-  Eigen::MatrixXd weighted_;       ///< columns by the curvature of `plain_`
-  SymmetricFactor present_;        ///< of columns' * weighted_
 };
 
 }  // namespace qerr

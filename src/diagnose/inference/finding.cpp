@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
@@ -144,13 +145,11 @@ void undo_repair(HeldOut& held, double rms_before) {
   for (HeldOut::Block& b : held.blocks) b.before *= factor;
 }
 
-/// The model without unnamed terms, which a spec cannot state.
-Explanation names_of(Explanation m) {
-  const std::size_t all = m.terms().size();
-  for (std::size_t i = all; i-- > 0;)
-    if (!m.terms()[i].named()) m.remove(i);
-  if (m.terms().size() < all) m.fit();
-  return m;
+/// The terms without those that have no name, which a spec cannot state.
+std::vector<Term> names_of(const Explanation& m) {
+  std::vector<Term> names;
+  std::ranges::copy_if(m.terms(), std::back_inserter(names), &Term::named);
+  return names;
 }
 
 /// Whether a joint's own weight can load it: its axis is not vertical.

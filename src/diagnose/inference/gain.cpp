@@ -32,7 +32,7 @@ Term anew(const Evidence& e, const Term& fitted, const Term& whole, const Eigen:
   return fitted.relinearized ? fitted.relinearized(e, whole, coefficients) : whole;
 }
 
-Prediction predict(const Evidence& e, const Explanation& model, const std::vector<Eigen::Index>& known,
+Prediction predict(const Evidence& e, const std::vector<Term>& terms, const std::vector<Eigen::Index>& known,
                    const std::vector<Eigen::Index>& asked) {
   const Evidence part = rows_of(e, known);
   Explanation fitted(part);
@@ -40,12 +40,12 @@ Prediction predict(const Evidence& e, const Explanation& model, const std::vecto
   p.before = Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(asked.size()), constant_of(fitted));
   p.noise_before = p.noise_after = fitted.noise();
   p.after = p.before;
-  if (model.terms().empty()) return p;
-  for (const Term& t : model.terms()) fitted.add(rows_of(t, known));
+  if (terms.empty()) return p;
+  for (const Term& t : terms) fitted.add(rows_of(t, known));
   fitted.fit();
   p.after.setConstant(constant_of(fitted));
-  for (std::size_t i = 0; i < model.terms().size(); ++i)
-    p.after += addition(rows_of(anew(e, fitted.terms()[i], model.terms()[i], fitted.coefficients(i)), asked),
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    p.after += addition(rows_of(anew(e, fitted.terms()[i], terms[i], fitted.coefficients(i)), asked),
                         fitted.coefficients(i));
   p.noise_after = fitted.noise();
   return p;
@@ -138,7 +138,7 @@ double expected_squares(const Evidence& e, const Eigen::ArrayXd& added, const Ei
 }
 
 HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
-                 const Explanation& model) {
+                 const std::vector<Term>& terms) {
   HeldOut h;
   h.step = record.step();
   h.prismatic = record.prismatic;
@@ -151,7 +151,7 @@ HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vec
   Eigen::ArrayXd before(sampled.rows()), after(sampled.rows());
   for (int half = 0; half < (h.held_out ? 2 : 1); ++half) {
     const std::vector<Eigen::Index>& asked = halves[half];
-    const Prediction p = predict(sampled, model, halves[h.held_out ? 1 - half : 0], asked);
+    const Prediction p = predict(sampled, terms, halves[h.held_out ? 1 - half : 0], asked);
     before(asked) = p.before;
     after(asked) = p.after;
     judge(sampled, asked, p, h);

@@ -30,9 +30,9 @@ struct HeldOut {
 
 /// @param record   all rows
 /// @param sampled  the independent rows among them, `groups` that each one represents
-/// @param model    fitted to `sampled`
+/// @param terms    over the rows of `sampled`, whose coefficients are fitted to one half of them at a time
 HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
-                 const Explanation& model);
+                 const std::vector<Term>& terms);
 
 /// Sum of the squares of reading - position that quantization and noise of a variance in each row make
 /// [counts^2].

@@ -49,7 +49,8 @@ double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log
   constexpr Eigen::Index block = 512;  // differences at a time: their columns stay in the cache
   const Eigen::Index stride = stride_of(x.size()), count = (x.size() - order + stride - 1) / stride;
   std::vector<double> all, moving;
-  Eigen::ArrayXXd t(block, order + 1), y(block, order + 1);
+  Eigen::ArrayXXd t(block, order + 1), y(block, order + 1), products;
+  Eigen::ArrayXd apart;
   for (Eigen::Index done = 0; done < count; done += block) {
     const Eigen::Index size = std::min(block, count - done);
     t.resize(size, order + 1), y.resize(size, order + 1);
@@ -57,16 +58,18 @@ double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log
       const auto rows = Eigen::seqN(done * stride + i, size, stride);
       t.col(i) = time(rows), y.col(i) = x(rows);
     }
-    const Eigen::ArrayXd span = t.col(order) - t.col(0);
-    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(size), squares = sum, least = span, product(size);
-    for (Eigen::Index i = 0; i <= order; ++i) {
-      product.setOnes();
-      for (Eigen::Index j = 0; j <= order; ++j)
-        if (j != i) product *= (t.col(i) - t.col(j)) / span;
-      sum += (y.col(i) - y.col(0)) / product;
-      squares += 1 / (product * product);
-      least = i == 0 ? Eigen::ArrayXd(product.abs()) : least.min(product.abs());
-    }
+    const Eigen::ArrayXd start = t.col(0), span = t.col(order) - start;
+    t = (t.colwise() - start).colwise() / span;
+    products.setOnes(size, order + 1);
+    for (Eigen::Index i = 1; i <= order; ++i)
+      for (Eigen::Index j = 0; j < i; ++j) {
+        apart = t.col(i) - t.col(j);
+        products.col(i) *= apart, products.col(j) *= -apart;
+      }
+    const Eigen::ArrayXd least = products.abs().rowwise().minCoeff();
+    const Eigen::ArrayXXd weights = products.inverse();
+    Eigen::ArrayXd sum = (weights * (y.colwise() - y.col(0))).rowwise().sum();
+    const Eigen::ArrayXd squares = weights.square().rowwise().sum();
     const Eigen::ArrayXd moved = (y.col(order) - y.col(0)).abs();
     sum = (sum / squares.sqrt()).abs();
     for (Eigen::Index k = 0; k < size; ++k) {
@@ -174,10 +177,10 @@ class Window {
     double squares = 0, expected = 0;
     std::optional<FitWeights> own, own_of_narrower;
     for (Eigen::Index k = h_; k < x_.size() - h_; k += stride_of(x_.size())) {
-      Eigen::VectorXd weights = fit(k, own).value;
-      weights.segment(h_ - narrower.h_, 2 * narrower.h_ + 1) -= narrower.fit(k, own_of_narrower).value;
-      squares += std::pow(weights.dot(window_at(k)), 2);
-      expected += weights.squaredNorm();
+      const FitWeights &here = fit(k, own), &of_narrower = narrower.fit(k, own_of_narrower);
+      squares += std::pow(here.value.dot(window_at(k)) - of_narrower.value.dot(narrower.window_at(k)), 2);
+      // The difference of nested fits has the difference of their variances.
+      expected += of_narrower.value[narrower.h_] - here.value[h_];
     }
     const double independent = static_cast<double>(x_.size()) / static_cast<double>(2 * narrower.h_ + 1);
     return squares >

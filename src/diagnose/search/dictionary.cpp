@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/solve.hpp"
@@ -45,6 +46,9 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
+
+/// The terms of one kind of effect: see EffectKind.
+using TermsOf = std::vector<Term> (*)(const RecordSignals&);
 
 using Histories = std::map<std::pair<std::string, double>, std::shared_ptr<const Term>>;
 using Shapes = std::map<std::string, std::vector<double>>;
@@ -115,8 +119,13 @@ class Candidates {
   }
 
   void add_named() {
+    for (const EffectKind& kind : effect_kinds())
+      if (kind.terms) add_terms(kind.terms);
+  }
+
+  void add_terms(TermsOf terms) {
     std::size_t number = 0;
-    for (Term& t : named_terms(e_)) {
+    for (Term& t : terms(e_)) {
       const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
       if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < least_periods) continue;
@@ -128,8 +137,8 @@ class Candidates {
         continue;
       const Term original = t;
       // Linearizations of one effect differ in their columns alone: they are told apart by their place.
-      const auto over = [original, place](const Sampling& s) {
-        std::vector<Term> all = named_terms(s.evidence);
+      const auto over = [original, place, terms](const Sampling& s) {
+        std::vector<Term> all = terms(s.evidence);
         if (place < all.size() && same_term(all[place], original)) return all[place];
         for (Term& fresh : all)
           if (same_term(fresh, original)) return fresh;
@@ -147,7 +156,7 @@ class Candidates {
       std::string family = t.effect.type;
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
-      if (t.relinearized) add_linearizations(t, family);
+      if (t.relinearized) add_linearizations(t, terms, family);
       if (effect_kind(t.effect.type).stage == Stage::clock)
         t.relinearized ? add_shifts(t, family) : add_beside_clocks(t, family);
       add(std::move(t), family, 1, over);
@@ -167,18 +176,27 @@ class Candidates {
     if (high > low)
       sizes = joined(sizes, series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low)))));
     const double least = original.of_reference ? low : least_driven(sizes);
+    const auto drive_of = [by_reference = original.of_reference, clocks = clocks_](const Evidence& e,
+                                                                                   double size) {
+      return by_reference ? PathAsRead(e, clocks).of_all_rows() : e.drive(size);
+    };
+    const auto at = [original](const Sampling& s, const Eigen::ArrayXd& drive, double size) {
+      Term t = original;
+      t.columns = s.averaged(original.hysteresis(drive, size));
+      return t;
+    };
+    std::optional<Eigen::ArrayXd> drive;  // that of the reference is the same for all sizes
     for (const double size : sizes) {
       if (!(size >= least)) continue;
-      const auto over = [original, size, clocks = clocks_](const Sampling& s) {
-        Term t = original;
-        t.columns = s.averaged(original.hysteresis(
-            original.of_reference ? PathAsRead(*s.record, clocks).of_all_rows() : s.record->drive(size),
-            size));
-        return t;
-      };
       const std::string driven = original.of_reference ? " of the load" + read_late_ : "";
-      found_.push_back({history(family + driven, size, over), family, static_cast<double>(sizes.size()),
-                        size / 1.5, size * 1.5, 0, false, over});
+      const auto here = [&](const Sampling& s) {
+        if (!drive || !original.of_reference) drive = drive_of(r, size);
+        return at(s, *drive, size);
+      };
+      found_.push_back({history(family + driven, size, here), family, static_cast<double>(sizes.size()),
+                        size / 1.5, size * 1.5, 0, false, [at, drive_of, size](const Sampling& s) {
+                          return at(s, drive_of(*s.record, size), size);
+                        }});
     }
   }
 
@@ -194,11 +212,11 @@ class Candidates {
   }
 
   /// A non-linear term about the parameters that the previous pass has led to.
-  void add_linearizations(const Term& original, const std::string& family) {
+  void add_linearizations(const Term& original, TermsOf terms, const std::string& family) {
     for (const auto& [effect, p] : scanned_.linearizations) {
       if (effect != original.effect.type || p.size() != original.size()) continue;
-      add(original.relinearized(e_, original, p), family, 1, [original, p = p](const Sampling& s) {
-        for (Term& fresh : named_terms(s.evidence))
+      add(original.relinearized(e_, original, p), family, 1, [original, terms, p = p](const Sampling& s) {
+        for (Term& fresh : terms(s.evidence))
           if (same_term(fresh, original) && fresh.size() == original.size())
             return fresh.relinearized(s.evidence, fresh, p);
         return not_offered(original, s);
@@ -493,8 +511,9 @@ class Candidates {
 std::vector<Effect> clocks_of(const RecordSignals& s, const Scanned& scanned) {
   std::vector<Effect> clocks;
   for (const Scanned::Linearization& found : scanned.linearizations) {
-    if (effect_kind(found.effect).stage != Stage::clock) continue;
-    for (const Term& t : named_terms(s))
+    const EffectKind& kind = effect_kind(found.effect);
+    if (kind.stage != Stage::clock) continue;
+    for (const Term& t : kind.terms(s))
       if (found.effect == t.effect.type && found.parameters.size() == t.size())
         t.fill(clocks.emplace_back(t.effect), found.parameters);
   }

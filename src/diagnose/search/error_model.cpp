@@ -142,8 +142,9 @@ Eigen::VectorXd ErrorModel::coefficients(const LinearModel::Set& set, const Line
 }
 
 double ErrorModel::gain(const Term& t, const Eigen::ArrayXd& residual) const {
-  Eigen::MatrixXd columns(residual.size(), t.size() + 1);
-  columns << Eigen::VectorXd::Ones(residual.size()), t.columns.matrix();
+  const Eigen::VectorXd constant = Eigen::VectorXd::Ones(residual.size());
+  Columns columns{constant.data()};
+  for (Eigen::Index i = 0; i < t.size(); ++i) columns.push_back(t.columns.col(i).data());
   const LinearModel linear(columns, residual.matrix(), weight_.matrix(), 1);
   // Below the rounding of a huge residual the difference may be negative, and a search for its maximum
   // endless.

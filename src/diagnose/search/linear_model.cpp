@@ -1,6 +1,5 @@
 #include "diagnose/search/linear_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,19 +26,16 @@ constexpr double cancelling = 9;
 /// Upper Cholesky factor R of a = R' R in place, with a ridge for nearly dependent columns.
 /// @returns whether all pivots were above `collinear`
 bool factorize(Eigen::MatrixXd& a) {
-  if (a.cols() == 0) return true;
-  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> plain(a);
-  if (plain.info() == Eigen::Success && plain.matrixLLT().diagonal().minCoeff() > std::sqrt(collinear)) {
-    a = plain.matrixLLT();
-    return true;
-  }
+  bool regular = true;
   for (Eigen::Index i = 0; i < a.cols(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j)
       a(j, i) = (a(j, i) - a.col(i).head(j).dot(a.col(j).head(j))) / a(j, j);
     const double pivot = a(i, i) - a.col(i).head(i).squaredNorm();
-    a(i, i) = pivot < collinear ? std::numeric_limits<double>::infinity() : std::sqrt(pivot);
+    const bool apart = pivot > collinear;
+    a(i, i) = apart ? std::sqrt(pivot) : std::numeric_limits<double>::infinity();
+    regular = regular && apart;
   }
-  return false;
+  return regular;
 }
 
 /// R'^-1 b in place.
@@ -71,31 +67,36 @@ Eigen::MatrixXd weighted_gram(const Columns& columns, const Eigen::VectorXd& y,
     const auto step = static_cast<Eigen::Index>(of);
     return (n + step - 1) / step * step;
   };
-  // Zeros up to whole tiles.
-  Eigen::MatrixXd z(whole(rows, GramKernels::widest_lane), whole(count + 2, GramKernels::tile));
-  z.bottomRows(z.rows() - rows).setZero();
+  // Some hundred columns of a block of rows stay in the second-level cache; a power of two would put them all
+  // into the same lines of the first. Zeros up to whole tiles.
+  constexpr Eigen::Index block = 504;
+  Eigen::MatrixXd z(std::min(block, whole(rows, GramKernels::widest_lane)),
+                    whole(count + 2, GramKernels::tile));
   z.rightCols(z.cols() - count - 2).setZero();
   const Eigen::VectorXd root = weight.cwiseSqrt();
-  for (Eigen::Index i = 0; i < count; ++i)
-    z.col(i).head(rows) =
-        root.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(columns[static_cast<std::size_t>(i)], rows));
-  z.col(count).head(rows) = root.cwiseProduct(y);
-  z.col(count + 1).head(rows) = root;
   Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(z.cols(), z.cols());
   const auto add_tile = select_kernels<GramKernels>(instruction_set()).add_tile;
   constexpr Eigen::Index tile = GramKernels::tile;
-  constexpr Eigen::Index block = 512;  // rows: some hundred columns of them stay in the second-level cache
-  for (Eigen::Index first = 0; first < z.rows(); first += block) {
-    const Eigen::Index size = std::min(block, z.rows() - first);
+  for (Eigen::Index first = 0; first < rows; first += block) {
+    const Eigen::Index filled = std::min(block, rows - first), size = whole(filled, GramKernels::widest_lane);
+    const auto of_block = root.segment(first, filled);
+    const auto fill = [&](Eigen::Index i, const double* column) {
+      z.col(i).head(filled) =
+          of_block.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(column + first, filled));
+    };
+    for (Eigen::Index i = 0; i < count; ++i) fill(i, columns[static_cast<std::size_t>(i)]);
+    fill(count, y.data());
+    z.col(count + 1).head(filled) = of_block;
+    z.middleRows(filled, size - filled).setZero();
     // A table in time, and what begins with an event, is zero in most blocks.
     std::vector<Eigen::Index> tiles;
     for (Eigen::Index i = 0; i < z.cols(); i += tile)
-      if (!z.block(first, i, size, tile).isZero(0)) tiles.push_back(i);
+      if (!z.block(0, i, size, tile).isZero(0)) tiles.push_back(i);
     for (const Eigen::Index i : tiles)
       for (const Eigen::Index j : tiles)
         if (j <= i)
-          add_tile(&z(first, i), &z(first, j), static_cast<std::size_t>(size),
-                   static_cast<std::size_t>(z.rows()), static_cast<std::size_t>(z.cols()), &lower(i, j));
+          add_tile(&z(0, i), &z(0, j), static_cast<std::size_t>(size), static_cast<std::size_t>(z.rows()),
+                   static_cast<std::size_t>(z.cols()), &lower(i, j));
   }
   return lower.topLeftCorner(count + 2, count + 2).selfadjointView<Eigen::Lower>();
 }

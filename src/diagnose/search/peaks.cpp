@@ -60,7 +60,7 @@ double power_at(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, dou
 
 namespace {
 
-constexpr double most_rates = 200000;  ///< a limit of time: some 20 ms
+constexpr double most_rates = 100000;  ///< a limit of time: some 10 ms
 
 }  // namespace
 
@@ -70,11 +70,11 @@ std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::A
   if (scores.size() < 8) return {};
   const double lowest = arguments.minCoeff(), range = arguments.maxCoeff() - lowest;
   if (!(range > 0)) return {};
-  const double spacing = 0.5 * std::numbers::pi / range;
+  const double spacing = std::numbers::pi / range;
   const double first = std::max(1.0, std::ceil(scan.least / spacing)),
                last = std::min(first + most_rates, std::floor(scan.most / spacing));
   if (!(first <= last)) return {};
-  hypotheses = std::max(1.0, (last - first) / 4);
+  hypotheses = std::max(1.0, (last - first) / 2);
   // The power does not depend on the origin of the argument; a small argument has an accurate sine.
   const Eigen::ArrayXd argument = arguments - lowest;
   std::vector<float> powers = periodogram(scores, argument, spacing, static_cast<Eigen::Index>(first),
@@ -85,12 +85,12 @@ std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::A
     if (!(*strongest > 0)) break;
     double rate = (first + static_cast<double>(strongest - powers.begin())) * spacing;
     double power = power_at(scores, argument, rate);
-    for (double step = spacing / 2; step > spacing / 200; step /= 2)
+    for (double step = spacing / 2; step > spacing / 400; step /= 2)
       for (const double candidate : {rate - step, rate + step})
         if (const double p = power_at(scores, argument, candidate); p > power) power = p, rate = candidate;
     found.push_back(rate);
-    const auto near = std::min<std::ptrdiff_t>(4, strongest - powers.begin());
-    const auto beyond = std::min<std::ptrdiff_t>(5, powers.end() - strongest);
+    const auto near = std::min<std::ptrdiff_t>(2, strongest - powers.begin());
+    const auto beyond = std::min<std::ptrdiff_t>(3, powers.end() - strongest);
     std::fill(strongest - near, strongest + beyond, 0.0F);
   }
   return found;

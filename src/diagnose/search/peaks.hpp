@@ -11,7 +11,7 @@ namespace qerr {
 /// transform of the spline is divided out. Source: Dutt and Rokhlin, "Fast Fourier transforms for
 /// nonequispaced data", SIAM Journal on Scientific Computing 14 (1993), with a spline for their Gaussian. The
 /// error is below 3 % of the largest power.
-/// @param argument  from 0 to pi/(2 spacing) at most
+/// @param argument  from 0 to pi/spacing at most
 std::vector<float> periodogram(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double spacing,
                                Eigen::Index first, Eigen::Index last);
 
@@ -29,8 +29,9 @@ struct RateScan {
 };
 
 /// Largest maxima of the periodogram |sum of scores e^{i rate argument}|^2, in descending order: on a grid
-/// with a quarter of the spacing 2 pi/range of independent rates, then refined by halving steps. Maxima
-/// within the spacing of independent rates of a larger one are part of it.
+/// with half of the spacing 2 pi/range of independent rates, where a maximum between two has 0.81 of its
+/// power, then refined by halving steps. Maxima within the spacing of independent rates of a larger one are
+/// part of it.
 /// @param hypotheses  receives the number of independent rates that were compared
 std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::ArrayXd& arguments,
                                     const RateScan&, double& hypotheses);
