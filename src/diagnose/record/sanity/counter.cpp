@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/text.hpp"
-#include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "effect/effects/effects.hpp"
 

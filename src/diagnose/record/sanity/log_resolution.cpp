@@ -6,7 +6,6 @@
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
-#include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 
 /// Positions that are recorded more coarsely than the encoder resolves them.
@@ -83,11 +82,11 @@ EverySecond every_second(const Sanity& s, const RecordedCounts& read, std::size_
   const double mean = direction(model) * ((read.counts - reference_in_counts(s, encoder)).mean() -
                                           mean_error(model) / model.resolution);
   const double of_bit = std::abs(mean - (odd ? 0.5 : -0.5)),
-               of_counter = odd ? 1 : std::min(std::abs(mean), std::abs(mean - 0.5));
-  const bool stuck = of_bit < of_counter;
+               of_counter = std::min(std::abs(mean), std::abs(mean - 0.5));
+  const bool stuck = odd || of_bit < of_counter;
   // With a deviation of 0.58 counts the mean of 100 rows is within 0.17 of the true one.
   constexpr double near = 0.2;
-  return {stuck, std::min(of_bit, of_counter) < near && (odd || !stuck)};
+  return {stuck, odd ? of_bit < near : !stuck && of_counter < near};
 }
 
 /// The other cause of counts that are all even or all odd, where nothing tells them apart.

@@ -138,8 +138,8 @@ struct StuckBit {
   std::optional<bool> value;
 };
 
-/// The lowest bit but the last one that is equal in all counts, and without which these follow the reference
-/// by its count in half of the rows: it takes no more than some passages between two of its halves.
+/// The lowest bit above the last one that is equal in all counts, and whose restoration makes them follow the
+/// reference: some passages between two of its halves are enough.
 std::optional<StuckBit> stuck_bit_by_reference(const Sanity&, std::size_t encoder);
 
 /// The lowest bit for which one half of the remainders by 2^(bit + 1), in a row, does not occur, and the
