@@ -453,6 +453,73 @@ TEST(Sanity, TakesAStuckBitFromTheReference) {
   }
 }
 
+/// With a reference some passages between two halves tell, in a log as in a table.
+TEST(Sanity, TakesAStuckBitOfFewHalvesFromTheReference) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Machine m(seed);
+    const Column whole = m.counted(m.path);
+    const int bit = static_cast<int>(std::log2(whole.maxCoeff() - whole.minCoeff())) - 1;
+    const auto mask = std::int64_t{1} << bit;
+    const Column read = whole.unaryExpr([&](double count) {
+      const auto c = static_cast<std::int64_t>(count);
+      return static_cast<double>(seed % 3 == 0 ? c | mask : c & ~mask);
+    });
+    std::vector<Written> columns{{LogSignal::counts, read, 0}, {LogSignal::reference, m.reference()}};
+    if (seed % 2 == 0) columns.insert(columns.begin(), {LogSignal::time, m.time});
+    const Sanity s = check_sanity(model_of(m), {}, log_of(columns));
+    ASSERT_EQ(s.causes.size(), 1u) << seed;
+    EXPECT_EQ(s.causes[0].effect.type, "stuck_bit") << seed;
+    EXPECT_EQ(s.causes[0].effect.number("bit"), bit) << seed;
+    EXPECT_EQ(s.causes[0].effect.number("value"), seed % 3 == 0) << seed;
+    EXPECT_LT(s.causes[0].gain.rms_after, 0.4 * m.resolution) << seed;
+  }
+}
+
+/// Odd counts are those of a stuck bit, positions rounded to two counts are not displaced, and else a counter
+/// of every second edge does the same.
+TEST(Sanity, HedgesWhatMakesAllCountsEven) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Machine m(seed);
+    const Column whole = m.counted(m.path);
+    const auto said = [&](const Column& counts) {
+      const Sanity s = check_sanity(
+          model_of(m), {}, log_of({{LogSignal::counts, counts, 0}, {LogSignal::reference, m.reference()}}));
+      std::string all;
+      for (const Cause& c : s.causes) all += c.effect.type;
+      for (const AlternativeCause& a : s.alternatives) all += " or " + a.effect;
+      return all;
+    };
+    EXPECT_EQ(said(2 * (0.5 * whole).floor() + 1), "stuck_bit") << seed;
+    EXPECT_EQ(said(2 * (0.5 * whole).floor()), "stuck_bit or log_rounding") << seed;
+    EXPECT_EQ(said(2 * (0.5 * m.path / m.resolution + 0.5).floor()), "log_rounding") << seed;
+  }
+}
+
+/// A table's rows have no order: the values alone show the grid of a rounded reference, and of even steps
+/// that are rounded, too.
+TEST(Sanity, FindsTheGridOfATablesReference) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    Machine m(seed);
+    const double step = std::exp(m.between(0.3, 4)) * m.resolution, apart = m.between(1.3, 9) * step;
+    const bool even = seed % 3 == 0;
+    const Column positions = Column::NullaryExpr(200, [&](Eigen::Index k) {
+      return even ? static_cast<double>(k) * apart : m.between(0, 20000) * step;
+    });
+    const auto grid = [&](const Column& reference) {
+      const Sanity s = check_sanity(
+          model_of(m), {},
+          log_of({{LogSignal::counts, m.counted(positions), 0}, {LogSignal::reference, reference}}));
+      const Column left = s.log.values.col(1) - s.log.values.col(0) * m.resolution;
+      if (even) {
+        EXPECT_LT(left.abs().maxCoeff(), 0.2 * step + 0.6 * m.resolution) << seed;
+      }
+      return s.reference_grid[0];
+    };
+    EXPECT_NEAR(grid(step * (positions / step + 0.5).floor()), step, 1e-3 * step) << seed;
+    EXPECT_EQ(grid(positions), 0) << seed;
+  }
+}
+
 TEST(Sanity, ReportsConstantSensors) {
   Machine m(7);
   const Column counts = m.counted(m.path);

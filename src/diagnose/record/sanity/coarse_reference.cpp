@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/text.hpp"
@@ -44,7 +44,7 @@ Changes changes_of(const Eigen::ArrayXd& x, double step, double most) {
   return c;
 }
 
-/// At constant speed, and in a table at even steps, all changes are alike without a grid.
+/// At constant speed all changes are alike without a grid.
 bool is_varied(const Eigen::ArrayXd& x, double step) {
   constexpr int fewest = 32;
   const Eigen::ArrayXd by = (x.tail(x.size() - 1) - x.head(x.size() - 1)).abs();
@@ -93,38 +93,82 @@ double grid_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double least
   return 0;
 }
 
+/// Ascending gaps of more than `least` between neighbours in value.
+Eigen::ArrayXd gaps_of(Eigen::ArrayXd x, double least) {
+  std::ranges::sort(x);
+  Eigen::ArrayXd gaps = x.tail(x.size() - 1) - x.head(x.size() - 1);
+  std::ranges::sort(gaps);
+  return gaps.tail((gaps > least).count()).eval();
+}
+
+/// Whether nearly all gaps are of as many steps, as those of positions in even steps are.
+/// @param gaps  ascending
+bool are_alike(const Eigen::ArrayXd& gaps, double step) {
+  constexpr double nearly_all = 0.95;
+  Eigen::Index same = 0, most = 0;
+  for (Eigen::Index i = 0; i < gaps.size(); ++i) {
+    same = i > 0 && std::round(gaps[i] / step) == std::round(gaps[i - 1] / step) ? same + 1 : 1;
+    most = std::max(most, same);
+  }
+  return static_cast<double>(most) > nearly_all * static_cast<double>(gaps.size());
+}
+
+/// Step of a table's values, whose rows have no order: the greatest common divisor of the gaps between
+/// neighbours in value (Euclid), refined by each larger gap. 0: it is less than `least`, or of even steps.
+double grid_of_table(const Eigen::ArrayXd& x, double least) {
+  constexpr Eigen::Index fewest_gaps = 20;  // each meets a grid by chance in one of five cases
+  const double off = grid_tolerance * least;
+  const Eigen::ArrayXd gaps = gaps_of(x, off);
+  if (gaps.size() < fewest_gaps) return 0;
+  double step = gaps[0], product = 0, square = 0;
+  for (const double gap : gaps) {
+    double left = std::abs(std::remainder(gap, step));
+    if (left > off) product = square = 0;
+    while (left > off) step = std::exchange(left, std::abs(std::remainder(step, left)));
+    if (step < least) return 0;
+    const double steps = std::round(gap / step);
+    product += gap * steps, square += steps * steps;
+    step = product / square;
+  }
+  return are_alike(gaps, step) ? 0 : step;
+}
+
+/// The positions of a table in even steps, of which its values are no more than rounded; else empty. Rounded
+/// even steps beat with their grid, which would pass for a periodic error.
+Eigen::ArrayXd even_steps(const Eigen::ArrayXd& x, double grid) {
+  const Eigen::Index n = x.size();
+  const std::vector<Eigen::Index> rows = ascending_rows(x);
+  const Eigen::ArrayXd rank = Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1)), sorted = x(rows);
+  const Line line = fit_line(rank, sorted);
+  if ((sorted - line.intercept - line.slope * rank).abs().maxCoeff() > (0.5 + grid_tolerance) * grid)
+    return {};
+  Eigen::ArrayXd positions(n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    positions[rows[static_cast<std::size_t>(k)]] = line.intercept + line.slope * rank[k];
+  return positions;
+}
+
 const char* unit_of_joint(const Sanity& s, std::size_t joint) {
   return s.model.chain.independent[joint].prismatic() ? "m" : "rad";
 }
 
 }  // namespace
 
-double scatter_within_values(const Eigen::ArrayXd& position, const Eigen::ArrayXd& error) {
-  std::map<double, std::vector<double>> by_value;
-  for (Eigen::Index k = 0; k < position.size(); ++k) by_value[position[k]].push_back(error[k]);
-  double square = 0, rows = 0;
-  for (const auto& [value, errors] : by_value) {
-    const Eigen::Map<const Eigen::ArrayXd> e(errors.data(), std::ssize(errors));
-    square += (e - e.mean()).square().sum();
-    rows += static_cast<double>(errors.size()) - 1;
-  }
-  return rows > 0 ? std::sqrt(square / rows) : 0;
-}
-
 void check_reference_grid(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   if (reference.size() < 2 || !has_counts(s, encoder)) return;
-  const double step = s.model.transmission.encoders[encoder].resolution;
+  const double step = s.model.transmission.encoders[encoder].resolution, least = negligible_grid * step;
   const auto stamps = s.log.find(LogSignal::time);
-  const Eigen::ArrayXd time = stamps ? Eigen::ArrayXd(s.log.values.col(*stamps))
-                                     : Eigen::ArrayXd::LinSpaced(reference.size(), 0.0, 1.0);
-  double grid = grid_of(time, reference, negligible_grid * step);
-  // Rounding leaves an error of 0.29 steps rms; positions that were chosen in even steps leave nearly none.
-  // In a table without time they do so whatever errors depend on the position.
-  const Eigen::ArrayXd error = recorded_counts(s, encoder)->counts * step - reference;
-  if ((stamps ? standard_deviation(error) : scatter_within_values(reference, error)) < 0.125 * grid) grid = 0;
+  double grid =
+      stamps ? grid_of(s.log.values.col(*stamps), reference, least) : grid_of_table(reference, least);
+  // Rounding has the variance of its step.
+  if (are_chosen_in_steps(s, encoder, reference, std::pow(grid / step, 2) / 12)) grid = 0;
   s.reference_grid[encoder] = grid;
   if (grid < step) return;
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!stamps && column && (s.log.values.col(*column) == reference).all())
+    if (const Eigen::ArrayXd even = even_steps(reference, grid); even.size() > 0)
+      s.log.values.col(*column) = even;
   s.data.push_back({"the reference changes in steps of " + readable(grid, unit_of_joint(s, encoder)) + " = " +
                         significant(grid / step, 3) + " counts: it is coarser than the encoder",
                     s.model.chain.independent[encoder].name,

@@ -6,11 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/solve.hpp"
 #include "core/text.hpp"
-#include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
-#include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
 #include "simulate/unwrap.hpp"
 
@@ -230,6 +227,13 @@ void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& referenc
     counts += modulus * std::round((reference - counts).mean() / modulus);
 }
 
+/// Whether a counter that overflows where a bit begins reads the same as one whose bit is stuck: both halves
+/// of which it is one are all that the motion has.
+bool overflows_as(const StuckBit& stuck, const Eigen::ArrayXd& counts) {
+  return !stuck.value.value_or(true) && counts.minCoeff() >= 0 &&
+         counts.maxCoeff() < std::ldexp(1.0, stuck.bit);
+}
+
 /// The rows in time; those of a table, which have no order, by their position.
 std::vector<Eigen::Index> rows_in_order(const Sanity& s, const Eigen::ArrayXd& reference) {
   return rows_by_value(s.log.has_time() ? Eigen::ArrayXd::LinSpaced(reference.size(), 0, 1) : reference);
@@ -249,7 +253,8 @@ void choose_turns_again(Sanity& s, const Eigen::ArrayXd& measured, std::size_t e
   wraps.start += turns;
 }
 
-/// From here on the readings are judged in steps of several counts, as are the losses that the spec states.
+}  // namespace
+
 void judge_in_steps(Sanity& s, RecordedCounts& read, std::size_t encoder, double counts) {
   Encoder& model = s.model.transmission.encoders[encoder];
   read.counts /= counts;
@@ -260,8 +265,6 @@ void judge_in_steps(Sanity& s, RecordedCounts& read, std::size_t encoder, double
       e.numbers.at("counts") /= counts;
   write_back(s, read, encoder);
 }
-
-}  // namespace
 
 double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor) {
   Encoder& model = s.model.transmission.encoders[encoder];
@@ -399,6 +402,12 @@ void check_rollover(Sanity& s, std::size_t encoder) {
     if (auto levels = overflow_by_levels(read->counts, reference, rows_in_order(s, reference)))
       found = std::move(levels);
   if (!found) return;
+  if (const auto stuck = stuck_bit_by_reference(s, encoder)) {
+    if (!overflows_as(*stuck, direction(model) * read->counts)) return;
+    s.alternatives.push_back({std::string(rollover_effect().name), std::string(stuck_bit_effect().name),
+                              s.model.chain.independent[encoder].name,
+                              "a motion of more than " + significant(2 * found->modulus, 12) + " counts"});
+  }
   double before = 0, after = 0;
   if (reference.size() > 0) {
     choose_turns_of_overflow(s, found->counts, encoder, found->modulus);
@@ -457,169 +466,6 @@ void check_decoding(Sanity& s, std::size_t encoder) {
   const double tail = explained / std::max(line.residual_rms, 1e-12);
   s.causes.push_back(exact_cause(s, encoder, decoding_effect().name, {{"factor", factor}},
                                  std::exp(-0.5 * tail * tail), before, after));
-}
-
-std::optional<StuckBit> stuck_bit(const Eigen::ArrayXd& counts) {
-  const Eigen::Index n = counts.size();
-  const double range = counts.maxCoeff() - counts.minCoeff();
-  constexpr int highest = 12;
-  std::vector<char> remainders(std::size_t{2} << highest);  // by the largest modulus
-  std::size_t missing = remainders.size();
-  for (const double count : counts) {
-    char& seen = remainders[static_cast<std::size_t>(std::llround(count)) & (remainders.size() - 1)];
-    missing -= !std::exchange(seen, 1);
-    if (missing == 0) return std::nullopt;
-  }
-  for (int bit = 0; bit <= highest; ++bit) {
-    const Eigen::Index half = Eigen::Index{1} << bit, modulus = 2 * half;
-    if (range < 4.0 * static_cast<double>(modulus) || n < 4 * modulus) return std::nullopt;
-    std::vector<bool> seen(static_cast<std::size_t>(modulus));
-    for (std::size_t r = 0; r < remainders.size(); ++r)
-      if (remainders[r]) seen[r % seen.size()] = true;
-    const auto present = static_cast<Eigen::Index>(std::count(seen.begin(), seen.end(), true));
-    if (2 * present > modulus || 8 * present < 3 * modulus) continue;
-    Eigen::Index run = 0, longest = 0;
-    for (Eigen::Index k = 0; k < 2 * modulus; ++k) {
-      run = seen[static_cast<std::size_t>(k % modulus)] ? 0 : run + 1;
-      longest = std::max(longest, run);
-    }
-    constexpr Eigen::Index fewest_leaps = 10;
-    const auto bends = (counts.tail(n - 2) - 2 * counts.segment(1, n - 2) + counts.head(n - 2)).abs();
-    if (2 * longest < modulus || (bends >= static_cast<double>(half)).count() < fewest_leaps) continue;
-    const auto middle = seen.begin() + half;
-    if (std::none_of(middle, seen.end(), [](bool b) { return b; })) return StuckBit{bit, false};
-    if (std::none_of(seen.begin(), middle, [](bool b) { return b; })) return StuckBit{bit, true};
-    return StuckBit{bit, std::nullopt};
-  }
-  return std::nullopt;
-}
-
-namespace {
-
-/// Errors that readings may have, as they are read or by `other` more: those that together change least from
-/// row to row (Viterbi).
-Eigen::ArrayXd steadiest(const Eigen::ArrayXd& as_read, double other) {
-  const Eigen::Index n = as_read.size();
-  std::vector<std::array<bool, 2>> from(static_cast<std::size_t>(n));  // the state of the row before
-  std::array<double, 2> cost{};
-  for (Eigen::Index k = 1; k < n; ++k) {
-    const std::array<double, 2> before = cost;
-    for (const bool to : {false, true}) {
-      const auto by_way_of = [&](bool state) {
-        return before[state] + std::abs(as_read[k] - as_read[k - 1] + other * (to - state));
-      };
-      const bool best = by_way_of(true) < by_way_of(false);
-      from[static_cast<std::size_t>(k)][to] = best;
-      cost[to] = by_way_of(best);
-    }
-  }
-  Eigen::ArrayXd errors = as_read;
-  bool state = cost[1] < cost[0];
-  for (Eigen::Index k = n; k-- > 0; state = from[static_cast<std::size_t>(k)][state])
-    if (state) errors[k] += other;
-  return errors;
-}
-
-Eigen::ArrayXd running_median(const Eigen::ArrayXd& x) {
-  constexpr Eigen::Index side = 7;
-  Eigen::ArrayXd middle(x.size());
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    const Eigen::Index first = std::max<Eigen::Index>(0, k - side), end = std::min(x.size(), k + side + 1);
-    const auto around = x.segment(first, end - first);
-    middle[k] = median({around.begin(), around.end()});
-  }
-  return middle;
-}
-
-/// What is to be added to readings, nothing or `other`, so that their errors are those of a constant, a
-/// scale, an eccentricity and what changes slowly.
-/// @param angle  of the encoder's shaft [rad]
-Eigen::ArrayXd restored(const Eigen::ArrayXd& as_read, double other, const Eigen::ArrayXd& angle) {
-  constexpr int rounds = 3;
-  Eigen::MatrixXd columns(as_read.size(), 4);
-  columns << Eigen::VectorXd::Ones(as_read.size()), angle.matrix(), angle.sin().matrix(),
-      angle.cos().matrix();
-  Eigen::ArrayXd errors = steadiest(as_read, other), added;
-  for (int round = 0; round < rounds; ++round) {
-    const Eigen::ArrayXd smooth = (columns * least_norm_solution(columns, errors.matrix())).array();
-    const Eigen::ArrayXd expected = smooth + running_median(errors - smooth);
-    added = ((as_read + other - expected).abs() < (as_read - expected).abs())
-                .select(Eigen::ArrayXd::Constant(as_read.size(), other), 0.0);
-    errors = as_read + added;
-  }
-  return added;
-}
-
-}  // namespace
-
-namespace {
-
-/// Takes a bit of counts from the reference. The last one's is not: the noise of readings may be as large.
-/// @returns rms of measured - reference before and after [rad or m]
-std::pair<double, double> restore_bit(Sanity& s, RecordedCounts& read, std::size_t encoder, int bit,
-                                      bool value) {
-  const Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
-  if (reference.size() == 0) return {0, 0};
-  const Eigen::ArrayXd as_read = read.counts - reference;
-  // Noise of the reference would take a bit for the other one near the edges of its halves.
-  Eigen::ArrayXd path = reference;
-  if (const auto stamps = s.log.find(LogSignal::time); stamps && !is_static(reference, 1))
-    path = smooth_path(s.log.values.col(*stamps), reference, 0).position;
-  const double missing = direction(model) * (value ? -1 : 1) * std::ldexp(1.0, bit);
-  if (bit == 0) {
-    read.counts += 0.5 * missing;
-    judge_in_steps(s, read, encoder, 2);
-    return {rms(as_read) * 0.5 * model.resolution, rms(read.counts - 0.5 * reference) * model.resolution};
-  }
-  read.counts += restored(read.counts - path, missing, model.shaft_ratio * model.resolution * path);
-  write_back(s, read, encoder);
-  return {rms(as_read) * model.resolution, rms(read.counts - reference) * model.resolution};
-}
-
-}  // namespace
-
-void check_stuck_bit(Sanity& s, std::size_t encoder) {
-  if (!s.log.find(LogSignal::counts, encoder) || s.log.values.rows() < 100) return;
-  auto read = recorded_counts(s, encoder);
-  bool is_stated = false;
-  while (const Effect* effect = specified_effect(s, encoder, stuck_bit_effect().name)) {  // which is removed
-    const auto bit = static_cast<int>(effect->number("bit"));
-    const bool value = effect->number("value") != 0;
-    remove_effect(s, effect);
-    restore_bit(s, *read, encoder, bit, value);
-    is_stated = true;
-  }
-  const std::optional<StuckBit> stuck =
-      is_stated ? std::nullopt : stuck_bit(direction(s.model.transmission.encoders[encoder]) * read->counts);
-  if (!stuck) return;
-  // A stuck bit makes half of the readings wrong by its count, 0.5 of it as standard deviation. Positions in
-  // even steps may have it by chance.
-  constexpr double contradicted = 0.25;
-  if (const Eigen::ArrayXd reference = reference_in_counts(s, encoder);
-      reference.size() > 0 &&
-      standard_deviation(read->counts - reference) < contradicted * std::ldexp(1.0, stuck->bit))
-    return;
-  s.data.push_back({"bit " + std::to_string(stuck->bit) + " of the counts never changes" +
-                        (stuck->value ? *stuck->value ? ", it is 1" : ", it is 0" : "") + ": of every " +
-                        significant(std::ldexp(2.0, stuck->bit), 6) + " counts in a row one half is missing",
-                    s.model.chain.independent[encoder].name, s.log.row_number(0) + 1, time_of(s, 0),
-                    std::string(stuck_bit_effect().remedy.text) +
-                        (!stuck->value    ? ""
-                         : stuck->bit > 0 ? "; here the bit is taken from the reference"
-                                          : "; here readings are judged in steps of two counts"),
-                    DataKind::corrupt});
-  if (!stuck->value || !has_reference(s, encoder)) return;
-  // By chance the counts of all rows lie in one half of the remainders.
-  const double by_chance = std::exp2(-static_cast<double>(read->counts.size()));
-  const auto [before, after] = restore_bit(s, *read, encoder, stuck->bit, *stuck->value);
-  // Four states a line are two bits, of which the readings do not show all.
-  if (double& states = s.model.transmission.encoders[encoder].counts_per_period;
-      stuck->bit < 2 && states <= 4)
-    states = 1;
-  s.causes.push_back(exact_cause(s, encoder, stuck_bit_effect().name,
-                                 {{"bit", stuck->bit}, {"value", *stuck->value ? 1 : 0}}, by_chance, before,
-                                 after));
 }
 
 }  // namespace qerr::sanity

@@ -64,6 +64,13 @@ Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>& x) {
   return out;
 }
 
+std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd& x) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(x.size()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  std::ranges::stable_sort(rows, [&](Eigen::Index a, Eigen::Index b) { return x[a] < x[b]; });
+  return rows;
+}
+
 double ideal_sigma(const Sanity& s, std::size_t joint) {
   const Transmission& t = s.model.transmission;
   const Eigen::VectorXd steps =
@@ -136,6 +143,15 @@ void forget_order(Sanity& s) {
   keep_rows(s, rows);
 }
 
+/// Rms of errors beside what changes slowly from position to position.
+double scatter_along(const Eigen::ArrayXd& position, const Eigen::ArrayXd& error) {
+  const Eigen::Index n = error.size();
+  if (n < 3) return 0;
+  const Eigen::ArrayXd sorted = error(ascending_rows(position));
+  // That of one row less the mean of its neighbours has 1 + 1/2 of the variance of a row.
+  return rms(sorted.segment(1, n - 2) - 0.5 * (sorted.head(n - 2) + sorted.tail(n - 2))) / std::sqrt(1.5);
+}
+
 /// Without a reference of any position the counts cannot be compared with anything.
 void check_reference_exists(Sanity& s) {
   bool exists =
@@ -150,6 +166,14 @@ void check_reference_exists(Sanity& s) {
 }
 
 }  // namespace
+
+bool are_chosen_in_steps(const Sanity& s, std::size_t encoder, const Eigen::ArrayXd& values,
+                         double of_fault) {
+  if (!has_counts(s, encoder) || !has_reference(s, encoder)) return false;
+  const Eigen::ArrayXd error = recorded_counts(s, encoder)->counts - reference_in_counts(s, encoder);
+  const double scatter = s.log.has_time() ? standard_deviation(error) : scatter_along(values, error);
+  return scatter * scatter < 1.0 / 12 + 0.25 * of_fault;
+}
 
 }  // namespace sanity
 

@@ -38,6 +38,9 @@ bool has_reference(const Sanity&, std::size_t encoder);
 /// Evenly spaced rows of a long column, enough for a slope or a standard deviation; all of a short one.
 Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>&);
 
+/// The rows in ascending order of a column's values.
+std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd&);
+
 /// Standard deviation of a joint's quantization error, from all encoders that determine it [rad or m].
 double ideal_sigma(const Sanity&, std::size_t joint);
 
@@ -59,6 +62,9 @@ void remove_effect(Sanity&, const Effect*);
 /// is chosen that agrees with the reference, within one reading.
 /// @returns rms of measured - reference after the conversion, 0 without a reference
 double decode(Sanity&, RecordedCounts, std::size_t encoder, double factor);
+
+/// From here on the readings are judged in steps of several counts, as are the losses that the spec states.
+void judge_in_steps(Sanity&, RecordedCounts&, std::size_t encoder, double counts);
 
 /// Removes a column from the log.
 void drop_column(Log&, Eigen::Index column);
@@ -102,8 +108,14 @@ void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);
 void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
-/// Standard deviation of the errors of rows that share a position; 0 if none do.
-double scatter_within_values(const Eigen::ArrayXd& position, const Eigen::ArrayXd& error);
+/// Whether positions were chosen in the steps that their values have. Then these look as with a fault, such
+/// as rounding or a stuck bit, but lack its error: with the fault the variance is that of the quantization
+/// and `of_fault`, and here it is below that of the quantization and a quarter of it, half of the deviation.
+/// In a table without time, errors that follow the position do not count.
+/// @param values    that have the steps: counts, or reference
+/// @param of_fault  [counts^2]
+/// @returns false without a reference
+bool are_chosen_in_steps(const Sanity&, std::size_t encoder, const Eigen::ArrayXd& values, double of_fault);
 
 /// Turns that were taken for wraps, until the counts went beyond one turn, are put back by the reference.
 void check_turns(Sanity&, std::size_t encoder);
@@ -125,6 +137,10 @@ struct StuckBit {
   int bit = 0;
   std::optional<bool> value;
 };
+
+/// The lowest bit above the last one that is equal in all counts, and whose restoration makes them follow the
+/// reference: some passages between two of its halves are enough.
+std::optional<StuckBit> stuck_bit_by_reference(const Sanity&, std::size_t encoder);
 
 /// The lowest bit for which one half of the remainders by 2^(bit + 1), in a row, does not occur, and the
 /// counts leap over it: a steady motion by so many counts a row misses remainders, too.
