@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace qerr {
 
@@ -16,6 +17,13 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd& x) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(x.size()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  std::ranges::stable_sort(rows, [&](Eigen::Index a, Eigen::Index b) { return x[a] < x[b]; });
+  return rows;
 }
 
 PercentileRank::PercentileRank(double fraction, std::uint64_t count) {

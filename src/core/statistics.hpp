@@ -13,6 +13,9 @@ namespace qerr {
 /// The upper of the two middle values where their number is even; 0 without values.
 double median(std::vector<double>);
 
+/// The rows in ascending order of a column's values.
+std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd&);
+
 /// Place of a percentile among sorted values v: (1 - part) v[below] + part v[below + 1].
 struct PercentileRank {
   std::uint64_t below = 0;

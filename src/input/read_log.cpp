@@ -425,7 +425,7 @@ class LogReader::Rows {
   /// against the other then has half the scatter, as it has where wraps are removed.
   bool add_turns_of_rows(TurnAlignment& a, const Eigen::ArrayXd& own, const Eigen::ArrayXd& other,
                          Eigen::ArrayXXd& rows) {
-    std::vector<Eigen::Index> order = rows_by_value(other);
+    std::vector<Eigen::Index> order = ascending_rows(other);
     if (time_) std::iota(order.begin(), order.end(), Eigen::Index{0});
     const Eigen::ArrayXd turns = turns_by_difference(own - other, order, a.joint_turn);
     // No sensor errs by an eighth of a turn, half of what positions have that are unrelated.

@@ -2,18 +2,10 @@
 
 #include <complex>
 #include <numbers>
-#include <numeric>
 
 #include "core/statistics.hpp"
 
 namespace qerr {
-
-std::vector<Eigen::Index> rows_by_value(const Eigen::ArrayXd& x) {
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(x.size()));
-  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
-  std::ranges::stable_sort(rows, {}, [&](Eigen::Index row) { return x[row]; });
-  return rows;
-}
 
 Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::vector<Eigen::Index>& rows,
                                    double turn) {

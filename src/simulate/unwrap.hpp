@@ -21,9 +21,6 @@ int turns_after(double step, double turn);
 Eigen::ArrayXd turns_by_difference(const Eigen::ArrayXd& difference, const std::vector<Eigen::Index>& rows,
                                    double turn);
 
-/// The rows by rising value.
-std::vector<Eigen::Index> rows_by_value(const Eigen::ArrayXd&);
-
 /// Unwraps a position that is measured modulo one turn: the angle of a tracker, the count of an absolute
 /// encoder.
 ///

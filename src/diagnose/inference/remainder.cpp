@@ -17,10 +17,7 @@ constexpr Eigen::Index parts = 12, fewest = 40;  ///< of the rows, sorted by pos
 double largest_share(const Eigen::ArrayXd& excess, const Eigen::ArrayXd& along) {
   const Eigen::Index n = excess.size();
   if (n < parts * fewest) return 0;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  const std::vector<Eigen::Index> order = ascending_rows(along);
   double most = 0;
   for (Eigen::Index i = 0; i < parts; ++i) {
     double sum = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/solve.hpp"
@@ -138,10 +137,7 @@ bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, co
   constexpr Eigen::Index parts = 12, fewest = 40;
   const Eigen::Index n = squares.size();
   if (n < parts * fewest) return false;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  const std::vector<Eigen::Index> order = ascending_rows(along);
   double least = 1e300, most = 0;
   for (Eigen::Index i = 0; i < parts; ++i) {
     double observed = 0, expected = 0;

@@ -194,7 +194,7 @@ std::optional<Overflow> overflow_by_levels(const Eigen::ArrayXd& counts, const E
   const Eigen::ArrayXd apart = counts - reference;
   // Counts at random fill three quarters of their modulus but for 3 % of all sets of 16 rows.
   std::vector<double> steps;
-  const std::vector<Eigen::Index> by_position = rows_by_value(reference);
+  const std::vector<Eigen::Index> by_position = ascending_rows(reference);
   for (std::size_t k = 1; k < by_position.size(); ++k) {
     const double step = std::abs(apart[by_position[k]] - apart[by_position[k - 1]]);
     if (step > range - slack && step < range / 0.75) steps.push_back(step);
@@ -236,7 +236,7 @@ bool overflows_as(const StuckBit& stuck, const Eigen::ArrayXd& counts) {
 
 /// The rows in time; those of a table, which have no order, by their position.
 std::vector<Eigen::Index> rows_in_order(const Sanity& s, const Eigen::ArrayXd& reference) {
-  return rows_by_value(s.log.has_time() ? Eigen::ArrayXd::LinSpaced(reference.size(), 0, 1) : reference);
+  return ascending_rows(s.log.has_time() ? Eigen::ArrayXd::LinSpaced(reference.size(), 0, 1) : reference);
 }
 
 /// The whole turns by which the reader has moved a reference were chosen by the readings before they were

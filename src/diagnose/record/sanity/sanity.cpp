@@ -64,13 +64,6 @@ Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>& x) {
   return out;
 }
 
-std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd& x) {
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(x.size()));
-  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
-  std::ranges::stable_sort(rows, [&](Eigen::Index a, Eigen::Index b) { return x[a] < x[b]; });
-  return rows;
-}
-
 double ideal_sigma(const Sanity& s, std::size_t joint) {
   const Transmission& t = s.model.transmission;
   const Eigen::VectorXd steps =

@@ -38,9 +38,6 @@ bool has_reference(const Sanity&, std::size_t encoder);
 /// Evenly spaced rows of a long column, enough for a slope or a standard deviation; all of a short one.
 Eigen::ArrayXd some_rows(const Eigen::Ref<const Eigen::ArrayXd>&);
 
-/// The rows in ascending order of a column's values.
-std::vector<Eigen::Index> ascending_rows(const Eigen::ArrayXd&);
-
 /// Standard deviation of a joint's quantization error, from all encoders that determine it [rad or m].
 double ideal_sigma(const Sanity&, std::size_t joint);
 
