@@ -288,12 +288,12 @@ class Candidates {
 
   /// A term with a parameter that the whole record tells.
   void add_at_shapes(const Term& t) {
-    if (has_family(t.effect.type)) return;
-    const auto [place, fresh] = shapes_.try_emplace(t.effect.type);
+    const std::string name = t.of_reference ? t.effect.type + " of the load" : t.effect.type;
+    const auto [place, fresh] = shapes_.try_emplace(name);
     if (fresh) place->second = t.shapes(*s_.record);
     const std::vector<double>& shapes = place->second;
     for (const double shape : shapes)
-      add_history(t.effect.type, t.effect.type, shape, static_cast<double>(shapes.size()),
+      add_history(t.effect.type, name, shape, static_cast<double>(shapes.size()),
                   [t, shape](const Sampling& s) {
                     Term at = t.reshaped(*s.record, t, shape);
                     Eigen::ArrayXXd columns(s.evidence.rows(), at.size());

@@ -29,6 +29,26 @@ constexpr double stops_at_once = std::numeric_limits<double>::infinity();
 /// Deceleration of a joint that no flank touches, by its own friction [rad/s^2 or m/s^2].
 double deceleration(const Effect& e) { return e.number_or("deceleration", stops_at_once); }
 
+/// A joint that its drive moves through the play, and that coasts from the speed at which a flank has left
+/// it.
+struct Coasting {
+  double gap, deceleration;
+  double at = 0, speed = 0;
+
+  /// @param touched_speed  of the joint while a flank touches it, as of its drive
+  void move(double driving, double duration, double touched_speed) {
+    double coasted = at;
+    if (std::isfinite(deceleration)) {
+      const double slower = std::max(0.0, std::abs(speed) - deceleration * duration),
+                   moving = std::min(duration, std::abs(speed) / deceleration);
+      coasted += std::copysign(0.5 * (std::abs(speed) + slower) * moving, speed);
+      speed = std::copysign(slower, speed);
+    }
+    at = driven(coasted, driving, gap);
+    if (at != coasted) speed = touched_speed;
+  }
+};
+
 /// The flank that the drive pushes, as a joint moves: ahead of it, unless it slows down by more than its
 /// friction does. 0 at rest.
 double flank(double velocity, double acceleration, double deceleration) {
@@ -42,10 +62,13 @@ double flank(double velocity, double acceleration, double deceleration) {
 /// driven through the play.
 Action action(const Effect& e, const Encoder&, std::uint64_t) {
   if (lags(e))
-    return [gap = e.number("gap"), at = 0.0, first = true](double x, const Moment&) mutable {
-      at = first ? x : driven(at, x, gap);
-      first = false;
-      return at;
+    return [joint = Coasting{e.number("gap"), deceleration(e)}, last = 0.0, instant = 0.0, first = true](
+               double x, const Moment& m) mutable {
+      const double duration = m.time - instant;
+      if (first || duration > 0) joint.move(x, first ? 0 : duration, first ? 0 : (x - last) / duration);
+      if (first) joint.at = x;
+      first = false, last = x, instant = m.time;
+      return joint.at;
     };
   return [half = 0.5 * e.number("gap"), slowed = deceleration(e), side = 0.0, last = 0.0, velocity = 0.0,
           instant = 0.0, rows = 0](double x, const Moment& m) mutable {
@@ -84,34 +107,49 @@ Eigen::ArrayXd flanks(const RecordSignals& s, double deceleration) {
   return side;
 }
 
-/// Displacement of the driving side from a joint that coasts from the speed at which a flank has left it, per
-/// unit of the gap. While the drive crosses the play, only the readings tell where it is.
+/// Displacement of the driving side from a joint that coasts, row by row.
+/// @param first  of the joint from the middle of the play, before the first row
+Eigen::ArrayXd lead_of_coasting(const RecordSignals& s, const Eigen::ArrayXd& driving, double first,
+                                double gap, double deceleration) {
+  Eigen::ArrayXd ahead(driving.size());
+  Coasting joint{gap, deceleration, driven(driving[0] + first, driving[0], gap), s.joint_rate()[0]};
+  for (Eigen::Index k = 0; k < driving.size(); ++k) {
+    joint.move(driving[k], k > 0 ? s.time[k] - s.time[k - 1] : 0, s.joint_rate()[k]);
+    ahead[k] = driving[k] - joint.at;
+  }
+  return ahead;
+}
+
+/// The error of the first row from the middle between the extremes.
+double first_error(const RecordSignals& s) {
+  const Eigen::ArrayXd error = s.measured - s.path;
+  return error[0] - 0.5 * (error.minCoeff() + error.maxCoeff());
+}
+
+/// Displacement of an encoder on the drive's side from the joint, per unit of the gap. While the drive
+/// crosses the play, only the readings tell where it is.
 Eigen::ArrayXd lead(const RecordSignals& s, double gap, double deceleration) {
   if (!s.readings_drive(gap)) return 0.5 * flanks(s, deceleration);
   const Eigen::ArrayXd driving = s.drive(gap);
   if (!std::isfinite(deceleration)) return lead(driving, gap);
-  const Eigen::ArrayXd error = s.measured - s.path;
-  const double middle = 0.5 * (error.minCoeff() + error.maxCoeff());
-  Eigen::ArrayXd added(driving.size());
-  double at = driven(driving[0] - error[0] + middle, driving[0], gap), speed = s.joint_rate()[0];
-  for (Eigen::Index k = 0; k < driving.size(); ++k) {
-    const double duration = k > 0 ? s.time[k] - s.time[k - 1] : 0,
-                 slower = std::max(0.0, std::abs(speed) - deceleration * duration),
-                 moving = std::min(duration, std::abs(speed) / deceleration);
-    const double coasted = at + std::copysign(0.5 * (std::abs(speed) + slower) * moving, speed);
-    at = driven(coasted, driving[k], gap);
-    speed = at == coasted ? std::copysign(slower, speed) : s.joint_rate()[k];
-    // Within a count of a flank it is at the flank: what the readings round is no motion in the play.
-    const double ahead = driving[k] - at;
-    added[k] = 0.5 * gap - std::abs(ahead) < s.step() ? std::copysign(0.5, ahead) : ahead / gap;
-  }
-  return added;
+  // Within a count of a flank it is at the flank: what the readings round is no motion in the play.
+  return lead_of_coasting(s, driving, -first_error(s), gap, deceleration).unaryExpr([&](double ahead) {
+    return 0.5 * gap - std::abs(ahead) < s.step() ? std::copysign(0.5, ahead) : ahead / gap;
+  });
+}
+
+/// The same of one on the load's side, from what drives it.
+Eigen::ArrayXd lag(const RecordSignals& s, double gap, double deceleration) {
+  if (!std::isfinite(deceleration)) return lag(s.joint_angle(), gap);
+  return -lead_of_coasting(s, s.joint_angle(), first_error(s), gap, deceleration) / gap;
 }
 
 /// Some rows of a record, in which the deceleration of a joint is seen that coasts through its play.
 class CoastingScan {
  public:
-  explicit CoastingScan(const RecordSignals& s) {
+  using Column = Eigen::ArrayXd (*)(const RecordSignals&, double gap, double deceleration);
+
+  CoastingScan(const RecordSignals& s, Column column) : column_(column) {
     constexpr Eigen::Index most = 1 << 14;
     const auto some = Eigen::seq(0, Eigen::last, (s.rows() + most - 1) / most);
     some_.encoder = s.encoder;
@@ -137,7 +175,7 @@ class CoastingScan {
   Fit at(double deceleration, double about, int steps) const {
     Fit fit{about, typical_};
     for (int i = 0; i < steps; ++i) {
-      const Eigen::VectorXd column = apart(lead(some_, fit.gap, deceleration));
+      const Eigen::VectorXd column = apart(column_(some_, fit.gap, deceleration));
       const double own = column.squaredNorm(), gap = column.dot(error_) / own;
       if (!(gap > 0)) return {fit.gap, typical_};
       fit = {gap, std::sqrt(std::max(0.0, error_.squaredNorm() - gap * gap * own) /
@@ -177,26 +215,30 @@ class CoastingScan {
     return column.matrix() - beside_ * (beside_.transpose() * column.matrix());
   }
 
+  Column column_;
   RecordSignals some_;
   Eigen::VectorXd error_;
   Eigen::MatrixXd beside_;  // orthonormal: a constant, a scale, an eccentricity
   double typical_ = 0;
 };
 
+template <CoastingScan::Column column>
 std::vector<double> decelerations(const RecordSignals& s) {
-  const auto best = CoastingScan(s).best();
+  const auto best = CoastingScan(s, column).best();
   return best ? std::vector{*best} : std::vector<double>{};
 }
 
-Term coasting(const RecordSignals& s, double deceleration) {
-  Term t = linear_term(s, "backlash", Eigen::ArrayXd::Zero(s.rows()),
-                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["gap"] = c[0]; });
-  if (std::isfinite(deceleration)) t.columns = lead(s, CoastingScan(s).at(deceleration).gap, deceleration);
-  t.positive = 1;
-  t.hysteresis = lead;
+/// A play whose joint coasts with this deceleration.
+/// @param plain  the same of a joint that stops at once
+template <CoastingScan::Column column>
+Term coasting(const RecordSignals& s, const Term& plain, double deceleration) {
+  Term t = plain;
+  t.columns = Eigen::ArrayXd::Zero(s.rows());
+  if (std::isfinite(deceleration))
+    t.columns = column(s, CoastingScan(s, column).at(deceleration).gap, deceleration);
   t.effect.numbers["deceleration"] = t.shape = deceleration;
-  t.reshaped = [](const RecordSignals& record, const Term&, double shape) { return coasting(record, shape); };
-  t.shapes = decelerations;
+  t.reshaped = coasting<column>;
+  t.shapes = decelerations<column>;
   return t;
 }
 
@@ -212,7 +254,7 @@ std::vector<Term> terms(const RecordSignals& s) {
   load.hysteresis = lag;
   load.of_reference = true;
   if (s.coupled() || s.measured.size() == 0 || s.acceleration.size() == 0) return {drive, load};
-  return {coasting(s, stops_at_once), drive, load};
+  return {coasting<lead>(s, drive, stops_at_once), coasting<lag>(s, load, stops_at_once), drive, load};
 }
 
 }  // namespace

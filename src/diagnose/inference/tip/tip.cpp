@@ -374,6 +374,7 @@ std::string logged_coordinates(const TipEvidence& e) {
 /// What the record does not show: joints that do not move the logged coordinates, or all of them.
 void find_unseen(const OperationalModel& model, const TipEvidence& e, TipDiagnosis& d) {
   constexpr double negligible = 1e-9;  // rounding errors of the kinematics, in parts of the arm's reach
+  constexpr double on_axis = 1e-12;    // [m]
   const Eigen::MatrixXd m_per_unit = sensitivity(model, e);
   const double least = negligible * m_per_unit.maxCoeff();
   for (Eigen::Index j = 0; j < m_per_unit.cols(); ++j)
@@ -381,6 +382,12 @@ void find_unseen(const OperationalModel& model, const TipEvidence& e, TipDiagnos
       d.unseen.push_back(model.chain.independent[static_cast<std::size_t>(j)].name);
   if (!d.causes.empty() || !d.unexplained.empty() || moves(model, e, m_per_unit)) return;
   d.judged = false;
+  // On the axis of the only joint a tip rests, in the log as in the model: nothing was to be seen.
+  const bool rests = (e.tip.colwise() - e.tip.col(0)).cwiseAbs().maxCoeff() <= e.log_resolution;
+  if (rests && m_per_unit.maxCoeff() <= on_axis && d.unseen.empty()) {
+    d.check = {};
+    return;
+  }
   d.reason = "the joints do not move '" + model.chain.tip + "' along " + logged_coordinates(e) +
              ": record coordinates that the joints move, through many counts of each, or 'JOINT.reference' "
              "with a reference sensor; or name another robot.tip";

@@ -49,9 +49,9 @@ double step_at(const Eigen::ArrayXd& error, Eigen::Index k) {
 }
 
 /// Whether steps go to and fro between two levels, as the drive of a joint that coasts between its flanks
-/// does: losses would by chance once in 32 times.
+/// does: losses of equal size would by chance once in 8 times.
 bool is_to_and_fro(const std::vector<Loss>& losses) {
-  constexpr std::size_t fewest = 6;
+  constexpr std::size_t fewest = 4;
   if (losses.size() < fewest) return false;
   for (std::size_t i = 1; i < losses.size(); ++i)
     if (std::abs(losses[i].counts() + losses[i - 1].counts()) > 1) return false;
