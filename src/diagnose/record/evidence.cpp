@@ -198,6 +198,7 @@ void average_repeated_poses(Evidence& e) {
   e.noise = std::max(rounding, std::sqrt(about_mean / (static_cast<double>(e.rows()) - count)));
   e.path_noise = std::max(rounding, e.noise * std::sqrt(of_means / count));
   e.path = std::move(path);
+  e.repeated = true;
 }
 
 /// @param time  since the first row [s]; empty: the rows are not ordered
