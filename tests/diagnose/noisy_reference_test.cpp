@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
@@ -88,6 +89,58 @@ TEST(NoisyReference, NamesNothingWhoseIntervalHoldsZero) {
             p.name == "amplitude" || p.name == "scale" || p.name == "delay" || p.name == "offset";
         EXPECT_TRUE(!size || p.lower * p.upper > 0) << "seed " << seed << ", " << c.effect.type;
       }
+  }
+}
+
+/// 25 to 80 poses with 3 to 11 rows of each, with or without time.
+struct Poses {
+  Machine machine;
+  bool timed;
+
+  explicit Poses(unsigned seed) : machine(seed), timed(seed % 2 == 0) {
+    Machine& m = machine;
+    const auto poses = static_cast<Eigen::Index>(m.between(25, 80)),
+               repeats = static_cast<Eigen::Index>(m.between(3, 12));
+    m.noise = m.resolution * m.between(0.02, 0.4);
+    m.rows = static_cast<int>(poses * repeats);
+    m.time = Column::LinSpaced(m.rows, 0, m.rows - 1) / 10;
+    m.path.resize(m.rows);
+    for (Eigen::Index i = 0; i < poses; ++i)
+      m.path.segment(i * repeats, repeats).setConstant(m.between(-1.5, 1.5));
+  }
+
+  Diagnosis diagnosed(const Column& error) {
+    std::vector<Written> columns{{LogSignal::counts, machine.counted(machine.path + error), 0},
+                                 {LogSignal::reference, machine.reference()}};
+    if (timed) columns.insert(columns.begin(), {LogSignal::time, machine.time});
+    return diagnose(model_of(machine), {}, {}, log_of(columns));
+  }
+};
+
+// The rows of a pose have one rounding error: as samples of their own they have high orders and scatter.
+TEST(NoisyReference, OfRepeatedPosesIsNoError) {
+  constexpr int records = 40;
+  int wrong = 0;
+  std::string said;
+  for (unsigned seed = 1; seed <= records; ++seed) {
+    Poses p(seed);
+    const Diagnosis d = p.diagnosed(Column::Zero(p.machine.rows));
+    if (d.causes.empty() && d.unexplained.empty()) continue;
+    ++wrong;
+    said += "seed " + std::to_string(seed) + ": " + std::string(name(d.verdict));
+    for (const Cause& c : d.causes) said += ' ' + c.effect.type;
+    for (const Unidentified& u : d.unexplained) said += ' ' + u.what;
+    said += '\n';
+  }
+  EXPECT_LE(wrong, 1) << said;
+}
+
+TEST(NoisyReference, OfRepeatedPosesHidesNoEccentricity) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Poses p(seed);
+    const Diagnosis d = p.diagnosed(3 * p.machine.resolution * (p.machine.path + 0.3).sin());
+    ASSERT_FALSE(d.causes.empty()) << seed;
+    EXPECT_EQ(d.causes[0].effect.type, "eccentricity") << seed;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/solve.hpp"
@@ -301,6 +302,9 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   // encoder.
   const double least = (e.ordered ? scatter_worth_naming : 1 / std::sqrt(12.0)) * e.step();
   if (m.noise() < scatter_beyond_reference * own || s.size < least || s.size < unnamed || !white) return s;
+  // A pose is repeated by most rows: what scatters every row has a mean difference of neighbours, 2
+  // sigma/sqrt pi, of less than half a count.
+  if (e.repeated && s.size > 0.25 * std::sqrt(std::numbers::pi) * e.step()) return s;
   const Trials trials(e, m, std::move(intervals), s.size);
   std::vector<ScatterCause> random;
   Eigen::ArrayXd variance = inflated_noise * known;

@@ -42,6 +42,7 @@ struct Evidence : RecordSignals {
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
   double interval = 0;          ///< of the rows as recorded, in the mean [s]; 0: not ordered
+  bool repeated = false;        ///< most rows are of the pose of the row before them, with the same reading
   /// The other encoders at the same rows, which outlive it; of a part of the rows they are those of the
   /// whole.
   std::vector<const Evidence*> others;

@@ -73,14 +73,11 @@ namespace {
 /// by less than the reading's own rounding.
 constexpr double resting = 0.25;  // [counts]
 
-/// Edges that are crossed, and readings at rest; without an order of the rows, every row.
+/// Edges that are crossed, and readings at rest; without an order of the rows, every pose.
 std::vector<RowGroup> sample_groups(const Evidence& e) {
-  std::vector<RowGroup> groups;
   const Eigen::Index n = e.rows();
-  if (!e.ordered) {
-    for (Eigen::Index k = 0; k < n; ++k) groups.push_back({k, k + 1});
-    return groups;
-  }
+  if (!e.ordered) return independent_rows(e, 0, n);
+  std::vector<RowGroup> groups;
   const double still = std::max(resting * e.step(), 4 * e.path_noise);
   const Eigen::ArrayXd path = path_without_noise(e);
   for (Eigen::Index k = 0; k < n;) {

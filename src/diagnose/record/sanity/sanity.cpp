@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include "core/random.hpp"
@@ -117,8 +119,34 @@ std::optional<double> time_of(const Sanity& s, Eigen::Index row) {
 
 namespace {
 
+/// The poses of rows that stand apart, by number: rows whose readings are all the same. Empty where most rows
+/// have readings of their own, or where most readings of an encoder have another one count above: a motion
+/// passes all counts.
+std::vector<std::size_t> poses_of(const Sanity& s) {
+  const auto n = static_cast<std::size_t>(s.log.values.rows());
+  std::map<std::vector<double>, std::size_t> numbers;
+  std::vector<std::vector<double>> readings(n);
+  for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i) {
+    const auto read = recorded_counts(s, i);
+    if (!read) continue;
+    std::set<double> distinct;
+    for (std::size_t k = 0; k < n; ++k) {
+      readings[k].push_back(std::round(read->counts[static_cast<Eigen::Index>(k)]));
+      distinct.insert(readings[k].back());
+    }
+    const auto neighbours =
+        std::ranges::count_if(distinct, [&](double count) { return distinct.contains(count + 1); });
+    if (2 * static_cast<std::size_t>(neighbours) > distinct.size()) return {};
+  }
+  std::vector<std::size_t> pose;
+  for (const std::vector<double>& r : readings)
+    pose.push_back(numbers.try_emplace(r, numbers.size()).first->second);
+  return 2 * numbers.size() <= n ? pose : std::vector<std::size_t>{};
+}
+
 /// Rows without a time have no order: one by their values, which are then shuffled, makes all that follows
-/// the same for any order in the file. Poses of a tip are in the order in which they were taken.
+/// the same for any order in the file. Rows of one pose stay together. Poses of a tip are in the order in
+/// which they were taken.
 void forget_order(Sanity& s) {
   const bool tracked = std::any_of(s.log.columns.begin(), s.log.columns.end(),
                                    [](const LogColumn& c) { return c.signal == LogSignal::tip; });
@@ -133,6 +161,12 @@ void forget_order(Sanity& s) {
   std::iota(place.begin(), place.end(), Eigen::Index{0});
   std::ranges::sort(place, std::ranges::less{}, key);
   for (std::size_t i = 0; i < n; ++i) rows[i] = sorted[static_cast<std::size_t>(place[i])];
+  if (const std::vector<std::size_t> pose = poses_of(s); !pose.empty()) {
+    std::vector<std::size_t> first(n, n);  // of a pose, among the shuffled rows
+    const auto of = [&](Eigen::Index row) { return pose[static_cast<std::size_t>(row)]; };
+    for (std::size_t i = 0; i < n; ++i) first[of(rows[i])] = std::min(first[of(rows[i])], i);
+    std::ranges::stable_sort(rows, std::ranges::less{}, [&](Eigen::Index row) { return first[of(row)]; });
+  }
   keep_rows(s, rows);
 }
 
