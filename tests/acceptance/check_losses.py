@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Several losses of whole counts in one record: each with its size and its time, and none invented for the play of a gear. One loss beside
-noise, a part of the counts that is lost above a speed, and a bit that is stuck beside an eccentric disc.
+noise, several within seconds, a part of the counts that is lost above a speed, and a bit that is stuck beside an eccentric disc.
 
     check_losses.py --qerr build/qerr [--rounds 12] [--seed 1] [--verbose]
 
@@ -75,6 +75,25 @@ def check_counter(t, diagnosed, rng, size, ratio, case):
             abs(causes["eccentricity"]["amplitude"] / step / 12 - 1) < 0.02, said)
 
 
+def check_beside_transitions(t, diagnosed):
+    """Whole steps that one exponential approach fits nearly as well: one beside noise, and three within some seconds."""
+    step, time = 2 * math.pi / (2000 * 50), np.arange(6000) / 100
+    q = 0.2 * np.sin(2 * math.pi * 0.11 * time) + 0.15 * np.sin(2 * math.pi * 0.27 * time + 1)
+
+    def named(counts):
+        causes = [(c["effect"], [p["value"] for p in c["parameters"]]) for c in diagnosed(counts, q, 0, time)]
+        return {c for c, _ in causes}, sorted(round(p[0]) for c, p in causes if c == "missed_counts"), str(causes)
+
+    for seed in 26, 27, 32:
+        rng = np.random.default_rng(seed)
+        at, noise = rng.uniform(20, 40), rng.uniform(0.7, 1)
+        causes, losses, said = named(np.round(q / step + noise * rng.standard_normal(len(time))) + 4 * (time >= at))
+        t.check(f"a loss at {at:.1f} s beside noise of {noise:.2f}", causes == {"missed_counts", "noise"} and losses == [4], said)
+    for times in (19, 25.38, 27.56, 30.11), (19, 28.7, 30.77, 33.9), (19, 25.66, 28.03, 29.85):
+        causes, losses, said = named(np.round(q / step) + sum(n * (time >= at) for n, at in zip((1, 4, 2, 2), times)))
+        t.check(f"losses at {times} s", causes == {"missed_counts"} and losses == [1, 2, 2, 4], said)
+
+
 def main():
     arguments, qerr, t = study_and_tally(rounds=12)
     rng = np.random.default_rng(arguments.seed)
@@ -88,6 +107,8 @@ def main():
                        header="time [s],turn.counts,turn.reference [rad]")
             return json.loads(run(qerr, "diagnose", folder / "s.yaml", folder / "log.csv", "--format", "json", "-q").out)["causes"]
 
+        (folder / "s.yaml").write_text("qerr: 1\nrobot: {urdf: one.urdf}\nencoders: {turn: {counts_per_rev: 2000, gear_ratio: 50}}\n")
+        check_beside_transitions(t, diagnosed)
         for round_ in range(arguments.rounds):
             sign, ratio, size = int(rng.choice([-1, 1])), int(rng.choice([10, 50, 100])), int(rng.choice([2000, 4096]))
             step, time = 2 * math.pi / (size * ratio), np.arange(int(rng.integers(3000, 9000))) / 200

@@ -215,7 +215,16 @@ class CauseSearch {
     LinearModel::Set curves;
     for (const std::size_t g : choice_.chosen)
       if (!model_->is_table(g)) curves.push_back(g);
-    return scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_) || any;
+    const bool beside = scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_);
+    return scan_beside_names() || beside || any;
+  }
+
+  /// One transition that lasts stands for several steps, and hides those that have not been found: what the
+  /// names leave has them.
+  bool scan_beside_names() {
+    if (std::ranges::none_of(choice_.chosen, [&](std::size_t g) { return model_->is_transition(g); }))
+      return false;
+    return scan_events(*model_, model_->residual(choice_.named, model_->fit(choice_.named)), scanned_);
   }
 
   /// Orders whose whole number the record does not establish are named no more: they are free ones.

@@ -110,6 +110,11 @@ class ErrorModel {
   bool is_table(std::size_t candidate) const {
     return candidates_[candidate].family == "time" || candidates_[candidate].family == "position";
   }
+  /// Uncatalogued ramps and exponential approaches that begin at one time.
+  bool is_transition(std::size_t candidate) const {
+    return !term(candidate).named() && !term(candidate).step &&
+           candidates_[candidate].family.starts_with("event");
+  }
   /// Whether a set leaves no more than 1.3 times what rounding and noise leave in the readings: nothing worth
   /// mentioning.
   bool is_complete(const LinearModel::Set&) const;

@@ -179,11 +179,22 @@ bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vecto
   return true;
 }
 
+/// Less its mean.
+Eigen::ArrayXd centred(const ErrorModel& m, const Eigen::ArrayXd& residual) {
+  return residual - (residual * m.weight()).sum() / m.weight().sum();
+}
+
 }  // namespace
+
+bool scan_events(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned& scanned) {
+  const Evidence& sampled = m.sampled();
+  const double duration = sampled.ordered ? sampled.time[sampled.rows() - 1] : 0;
+  return duration > 0 && scan_events(m, centred(m, residual), scanned.events, duration);
+}
 
 bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& with_mean, Scanned& scanned) {
   const Eigen::ArrayXd& weight = m.weight();
-  const Eigen::ArrayXd residual = with_mean - (with_mean * weight).sum() / weight.sum();
+  const Eigen::ArrayXd residual = centred(m, with_mean);
   const Eigen::ArrayXd scores = residual * weight;
   const Evidence& sampled = m.sampled();
   bool any = false;
@@ -192,7 +203,7 @@ bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& with_mean, Scanned
     any |= scan_loaded_orders(m, residual, scores, scanned.loaded_orders);
   if (const double duration = sampled.ordered ? sampled.time[sampled.rows() - 1] : 0; duration > 0) {
     any |= scan_lines(m, residual, scores, scanned.lines, duration);
-    any |= scan_events(m, residual, scanned.events, duration);
+    any |= scan_events(m, residual, scanned);
   }
   if (!sampled.is_stationary()) any |= scan_places(m, residual, scanned.places);
   return any;

@@ -14,6 +14,10 @@ namespace qerr {
 /// @returns whether there was any
 bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
 
+/// Adds the events in time that a residual suggests.
+/// @returns whether any were added
+bool scan_events(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
+
 /// Families of chosen terms, most of them names, that what is left over contradicts:
 ///
 /// - an order that does not stand out against its neighbours: of an order whose amplitude varies along the

@@ -122,16 +122,38 @@ LinearModel::Set best_of_starts(ErrorModel& m, const ChoiceHistory& history, dou
   return m.search(core, core.size(), independent);
 }
 
+/// A set with whole steps in the place of ramps and approaches that leave hardly less: beside a large
+/// remainder a name has to be worth more than a guess, for the idealization of its shape, and a step has
+/// none.
+LinearModel::Set with_whole_steps(const ErrorModel& m, LinearModel::Set set) {
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const std::size_t guess = set[i];
+    if (!m.is_transition(guess)) continue;
+    for (std::size_t g = 0; g < m.candidates().size(); ++g) {
+      if (!m.term(g).whole || m.candidate(g).family != m.candidate(guess).family || !m.group(g).allowed)
+        continue;
+      LinearModel::Set whole = set;
+      whole[i] = g;
+      // Half of a guess's least gain is what it must be better by than a name.
+      if (m.fit(whole).rss - m.fit(set).rss < 0.5 * m.group(guess).least_gain) set = std::move(whole);
+      break;
+    }
+  }
+  return set;
+}
+
 }  // namespace
 
 Choice choose_terms(ErrorModel& m, const ChoiceHistory& history) {
   Choice c;
   const double known = m.correlation();
-  c.richest = best_of_starts(m, history, m.rows() / known, c.named);
+  c.richest = with_whole_steps(m, best_of_starts(m, history, m.rows() / known, c.named));
   const Eigen::ArrayXd residual = m.residual(c.richest, m.fit(c.richest)) * m.weight().sqrt();
   c.correlation = m.sampled().ordered ? std::max(known, integrated_correlation(residual)) : 1;
   c.structured = c.correlation >= 1.5 * known;
-  c.chosen = !c.structured ? c.richest : best_of_starts(m, history, m.rows() / c.correlation, c.named);
+  c.chosen = !c.structured
+                 ? c.richest
+                 : with_whole_steps(m, best_of_starts(m, history, m.rows() / c.correlation, c.named));
   c.fit = m.fit(c.chosen);
   c.residual = m.residual(c.chosen, c.fit);
   return c;
