@@ -63,6 +63,25 @@ TEST(CoastingJoint, IsPlayWithItsDeceleration) {
   }
 }
 
+/// An encoder on the load, and the drive's position as the reference.
+TEST(CoastingJoint, IsSeenByTheEncoderOfTheLoad) {
+  for (const unsigned seed : {11U, 12U, 13U}) {
+    Machine m(seed);
+    m.sines[1].first *= 0.3;
+    m.path = m.along(m.time);
+    const double rate = m.sines[0].second[0], braking = m.sines[0].first * rate * rate;
+    const TwoMasses masses{m.between(8, 60) * m.resolution, m.between(0.1, 0.7) * braking};
+    const auto drive = [&](double t) { return m.along(Column::Constant(1, t))[0]; };
+    const Diagnosis d = diagnose(model_of(m), {}, {}, log_of(m, m.counted(masses.joint(m.time, drive))));
+    ASSERT_FALSE(d.causes.empty()) << seed;
+    const Effect& e = d.causes[0].effect;
+    EXPECT_EQ(e.type, "backlash") << seed;
+    EXPECT_EQ(e.choices.at("side"), "load") << seed;
+    EXPECT_NEAR(e.number("gap") / masses.gap, 1, 0.03) << seed;
+    EXPECT_NEAR(e.number_or("deceleration", 0) / masses.friction, 1, 0.1) << seed;
+  }
+}
+
 /// A drive that crosses the play between two rows makes steps of whole counts, to and fro: they are no
 /// losses.
 TEST(CoastingJoint, IsNoLossOfCounts) {

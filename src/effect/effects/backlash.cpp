@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 #include "effect/effects/effects.hpp"
 #include "encoder/loop_reading.hpp"
 
@@ -161,7 +162,7 @@ class CoastingScan {
     beside << Eigen::VectorXd::Ones(path.size()), path, shaft.sin(), shaft.cos();
     beside_ = orthonormal_basis(beside);
     error_ = apart(some_.measured - path);
-    typical_ = std::sqrt(error_.squaredNorm() / static_cast<double>(error_.size()));
+    typical_ = rms(error_);
   }
 
   struct Fit {
@@ -206,11 +207,36 @@ class CoastingScan {
       const double middle = best;
       attempt(middle / ratio), attempt(middle * ratio);
     }
-    const bool is_play = least.left < std::max(part_left * typical_, counts_left * some_.step());
-    return is_play && least.left < less * at(stops_at_once).left ? std::optional(best) : std::nullopt;
+    const bool is_play = least.left < std::max(part_left * typical_, counts_left * some_.step()) &&
+                         least.left < less * at(stops_at_once).left;
+    // A joint that lags may also be late; none leads by being early.
+    const auto beyond_rounding = [&](double left) {
+      return std::sqrt(std::max(0.0, left * left - some_.step() * some_.step() / 12));
+    };
+    const bool is_late = column_ == static_cast<Column>(lag) &&
+                         beyond_rounding(least.left) >= part_left * beyond_rounding(left_by_latency());
+    return is_play && !is_late ? std::optional(best) : std::nullopt;
   }
 
  private:
+  /// What a latency leaves: of several rows its path is shifted, as corners have no rate.
+  double left_by_latency() const {
+    constexpr int steps = 3;
+    const Eigen::VectorXd rate = apart(some_.velocity);
+    Eigen::VectorXd left = error_;
+    for (double ahead = 0, step = 0; step < steps; ++step) {
+      ahead += rate.dot(left) / rate.squaredNorm();
+      Eigen::Index next = 1;
+      const Eigen::ArrayXd shifted = some_.time.unaryExpr([&](double time) {
+        while (next + 1 < some_.time.size() && some_.time[next] < time + ahead) ++next;
+        const double part = (time + ahead - some_.time[next - 1]) / (some_.time[next] - some_.time[next - 1]);
+        return some_.path[next - 1] + part * (some_.path[next] - some_.path[next - 1]);
+      });
+      left = apart(some_.measured - shifted);
+    }
+    return rms(left);
+  }
+
   Eigen::VectorXd apart(const Eigen::ArrayXd& column) const {
     return column.matrix() - beside_ * (beside_.transpose() * column.matrix());
   }
@@ -260,47 +286,50 @@ std::vector<Term> terms(const RecordSignals& s) {
 }  // namespace
 
 EffectKind backlash_effect() {
-  return {.name = "backlash",
-          .summary = "play between encoder and joint",
-          .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
-          .stage = Stage::gear,
-          .parameters = {{.name = "gap",
-                          .meaning = "full width of the play",
-                          .required = true,
-                          .least = 0,
-                          .most = 10,  // above a revolution, or of a machine tool's size in m
-                          .coordinate = true},
-                         {.name = "deceleration",
-                          .dimension = dimension::angular_acceleration,
-                          .meaning = "of the joint by its own friction while no flank touches it: it coasts; "
-                                     "without this it stops at once",
-                          .least = 0,
-                          .open_below = true},
-                         {.name = "side",
-                          .kind = Kind::choice,
-                          .meaning = "side of the play on which the encoder is",
-                          .choices = "drive|load"}},
-          .action = action,
-          .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
-            const double half = 0.5 * e.number("gap");
-            return Share{0, half, half, Spectrum::motion, e.number("gap")};
+  return {
+      .name = "backlash",
+      .summary = "play between encoder and joint",
+      .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
+      .stage = Stage::gear,
+      .parameters = {{.name = "gap",
+                      .meaning = "full width of the play",
+                      .required = true,
+                      .least = 0,
+                      .most = 10,  // above a revolution, or of a machine tool's size in m
+                      .coordinate = true},
+                     {.name = "deceleration",
+                      .dimension = dimension::angular_acceleration,
+                      .meaning =
+                          "of the joint by its own friction while no flank touches it: it coasts; without "
+                          "this it stops at once. A simulation does not know the drive, which crosses the "
+                          "play at once",
+                      .least = 0,
+                      .open_below = true},
+                     {.name = "side",
+                      .kind = Kind::choice,
+                      .meaning = "side of the play on which the encoder is",
+                      .choices = "drive|load"}},
+      .action = action,
+      .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+        const double half = 0.5 * e.number("gap");
+        return Share{0, half, half, Spectrum::motion, e.number("gap")};
+      },
+      .in_loop =
+          [](const Effect& e, const Encoder&, LoopReading& r) {
+            r.play += e.number("gap");
+            r.behind_play = lags(e);
           },
-          .in_loop =
-              [](const Effect& e, const Encoder&, LoopReading& r) {
-                r.play += e.number("gap");
-                r.behind_play = lags(e);
-              },
-          .terms = terms,
-          // The record's side of motion ignores reversals within the reference's noise; the action would not.
-          .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
-            if (lags(e)) return {};
-            return e.number("gap") * lead(s, e.number("gap"), deceleration(e));
-          },
-          // The gear's periodic errors depend on the angle after the play.
-          .first_in_stage = true,
-          .remedy = {true,
-                     "add or subtract half the gap by the last direction of motion; not possible around "
-                     "reversals"}};
+      .terms = terms,
+      // The record's side of motion ignores reversals within the reference's noise; the action would not.
+      .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
+        if (lags(e)) return {};
+        return e.number("gap") * lead(s, e.number("gap"), deceleration(e));
+      },
+      // The gear's periodic errors depend on the angle after the play.
+      .first_in_stage = true,
+      .remedy = {true,
+                 "add or subtract half the gap by the last direction of motion; not possible around "
+                 "reversals"}};
 }
 
 }  // namespace qerr

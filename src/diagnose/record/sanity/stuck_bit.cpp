@@ -190,8 +190,10 @@ std::optional<StuckBit> stuck_bit_by_reference(const Sanity& s, std::size_t enco
   for (int bit = 1; std::ldexp(1.0, bit) <= largest; ++bit) {
     const bool value = constant.ones >> bit & 1;
     if (!value && !(constant.zeros >> bit & 1)) continue;
-    if (path.size() == 0) path = path_in_counts(s, encoder);
     const double span = std::ldexp(1.0, bit);
+    // The other bits go on with the motion: an encoder that rests has no stuck bit.
+    if (peak_to_peak(read->counts) < peak_to_peak(reference) - 2 * span) continue;
+    if (path.size() == 0) path = path_in_counts(s, encoder);
     const Eigen::ArrayXd taken = taken_by_bit(s, *read, encoder, bit, value, path),
                          errors = read->counts + taken - path;
     const double apart = rms(errors - smooth_part(errors, model.shaft_ratio * model.resolution * path));
