@@ -185,6 +185,20 @@ def check_tip(t, qerr, folder):
             ran.err.decode()[:300])
 
 
+def check_own_clean_log(t, qerr, folder):
+    """A joint without a link: the log has a tip that rests on the axis, about which nothing is to be said."""
+    spec, log = folder / "joint.yaml", folder / "joint.csv"
+    spec.write_text("qerr: 1\nrobot: {joint: {name: j, type: revolute}}\nencoders: {j: {counts_per_rev: 4096, gear_ratio: 10}}\n"
+                    "motion: {sample_rate: 500 Hz, duration: 5 s, joints: {j: {sines: [{amplitude: 20 deg, frequency: 0.5 Hz}]}}}\n")
+    run(qerr, "simulate", spec, "--log", log, "-o", folder / "r.txt")
+    ran = run(qerr, "diagnose", spec, log, "--check")
+    t.check("the program's own clean log of one joint passes its check", ran.code == 0, ran.out.decode()[:400])
+    # A tip that moves where no joint can move it stays unjudged.
+    rows = log.read_text().splitlines()
+    log.write_text("\n".join(rows[:1] + [f"{row.rsplit(',', 3)[0]},{k % 7 * 0.001},0,0" for k, row in enumerate(rows[1:])]) + "\n")
+    t.check("a tip that moves without its joint does not", run(qerr, "diagnose", spec, log, "--check").code == 1, "")
+
+
 def check_limits(t, qerr, folder):
     log = (folder / "log.csv").read_text().splitlines(keepends=True)
     (folder / "short.csv").write_text("".join(log[:2]))
@@ -293,6 +307,7 @@ def main():
             check_model(t, qerr, folder, answer)
         check_table(t, qerr, folder)
         check_tip(t, qerr, folder)
+        check_own_clean_log(t, qerr, folder)
         check_limits(t, qerr, folder)
         check_errors(t, qerr, folder)
         check_forms_of_logs(t, qerr, folder)

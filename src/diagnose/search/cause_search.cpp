@@ -27,8 +27,8 @@ constexpr int most_passes = 7;
 /// exact sines.
 constexpr double material_part = 0.012;
 
-/// Of a joint that coasts through its play: real flanks are springs, from which it bounces. Calibration: what
-/// two masses with springs leave (tests/diagnose/coasting_joint_test.cpp).
+/// The smallest part beside a joint that coasts through its play: real flanks are springs, from which it
+/// bounces. Calibration: what two masses with springs leave (tests/diagnose/coasting_joint_test.cpp).
 constexpr double material_part_of_coasting = 0.03;
 
 /// The smallest part for a table or polynomial, which follows a curve that is not its own only coarsely, and

@@ -66,8 +66,8 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
     return [joint = Coasting{e.number("gap"), deceleration(e)}, last = 0.0, instant = 0.0, first = true](
                double x, const Moment& m) mutable {
       const double duration = m.time - instant;
-      if (first || duration > 0) joint.move(x, first ? 0 : duration, first ? 0 : (x - last) / duration);
       if (first) joint.at = x;
+      if (!first && duration > 0) joint.move(x, duration, (x - last) / duration);
       first = false, last = x, instant = m.time;
       return joint.at;
     };
@@ -139,13 +139,14 @@ Eigen::ArrayXd lead(const RecordSignals& s, double gap, double deceleration) {
   });
 }
 
-/// The same of one on the load's side, from what drives it.
+/// Displacement of an encoder on the load's side from what drives it, per unit of the gap.
 Eigen::ArrayXd lag(const RecordSignals& s, double gap, double deceleration) {
   if (!std::isfinite(deceleration)) return lag(s.joint_angle(), gap);
   return -lead_of_coasting(s, s.joint_angle(), first_error(s), gap, deceleration) / gap;
 }
 
-/// Some rows of a record, in which the deceleration of a joint is seen that coasts through its play.
+/// Some rows of a record, in which the deceleration of a joint is seen that coasts through its play. The gap
+/// is found beside it, as far as a scale and an eccentricity leave it.
 class CoastingScan {
  public:
   using Column = Eigen::ArrayXd (*)(const RecordSignals&, double gap, double deceleration);
@@ -168,7 +169,7 @@ class CoastingScan {
   struct Fit {
     double gap = 0, left = 0;  ///< rms of what is left [rad or m]
   };
-  /// Of a play whose flanks are touched equally long, or nearly.
+  /// The fit from the gap of a play whose flanks are touched equally long.
   Fit at(double deceleration) const {
     constexpr int steps = 3;
     return at(deceleration, 2 * typical_, steps);
@@ -189,6 +190,7 @@ class CoastingScan {
   /// more is left than of a play, or hardly less than of one whose joint stops at once.
   std::optional<double> best() const {
     constexpr double part_left = 0.3, counts_left = 0.6, less = 0.8, rounding = 0.4;  // conventions
+    // A coarse step of the deceleration may miss half of what the best one explains.
     constexpr double coarse = 2, fine = 1.01, promising = 0.7;
     if (typical_ < rounding * some_.step()) return std::nullopt;
     const Eigen::Index last = some_.time.size() - 1;
@@ -224,7 +226,8 @@ class CoastingScan {
     constexpr int steps = 3;
     const Eigen::VectorXd rate = apart(some_.velocity);
     Eigen::VectorXd left = error_;
-    for (double ahead = 0, step = 0; step < steps; ++step) {
+    double ahead = 0;
+    for (int step = 0; step < steps; ++step) {
       ahead += rate.dot(left) / rate.squaredNorm();
       Eigen::Index next = 1;
       const Eigen::ArrayXd shifted = some_.time.unaryExpr([&](double time) {
